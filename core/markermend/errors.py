@@ -1,0 +1,74 @@
+"""What can go wrong, as one tree; every message is one sentence with a way out.
+
+::
+
+    MarkerMendError
+    ├── BadInput                what was handed in cannot be used as it is
+    │   ├── UnreadableTake      the file is no take, is broken, or is beyond a limit
+    │   ├── Lacking             the file does not say its unit or its rate
+    │   ├── UnknownName         no such marker, method, detector, kind or parameter
+    │   ├── BadParameter        a value outside its bounds
+    │   └── BadDecisions        a decision file that does not fit
+    ├── CannotRepair            a method does not apply to this span
+    ├── CannotWrite             the export would not be faithful, or the disk refused
+    └── StoreError              the store of reviews cannot be used
+
+Messages follow one grammar: what is wrong, with the value that was given, then what would help.
+"""
+
+from collections.abc import Iterable
+
+
+class MarkerMendError(Exception):
+    """Base of all errors that MarkerMend raises on purpose."""
+
+
+class BadInput(MarkerMendError, ValueError):
+    """What was handed in cannot be used as it is."""
+
+
+class UnreadableTake(BadInput):
+    """The file is no take, is broken, or is beyond a limit."""
+
+
+class Lacking(BadInput):
+    """The file does not say something that is needed.
+
+    Attributes
+    ----------
+    what
+        ``"units"`` or ``"rate"``: the argument of `markermend.read` that supplies it.
+    """
+
+    def __init__(self, message: str, what: str) -> None:
+        super().__init__(message)
+        self.what = what
+
+
+class UnknownName(BadInput):
+    """No such marker, method, detector, kind or parameter."""
+
+    @classmethod
+    def among(cls, what: str, given: str, known: Iterable[str]) -> "UnknownName":
+        """Say which names would have been right."""
+        return cls(f"There is no {what} {given!r}; known are {', '.join(known) or 'none'}.")
+
+
+class BadParameter(BadInput):
+    """A value outside its bounds."""
+
+
+class BadDecisions(BadInput):
+    """A decision file that does not fit."""
+
+
+class CannotRepair(MarkerMendError):
+    """A method does not apply to this span; the message says why."""
+
+
+class CannotWrite(MarkerMendError):
+    """The export would not be faithful, or the disk refused."""
+
+
+class StoreError(MarkerMendError):
+    """The store of reviews cannot be used."""

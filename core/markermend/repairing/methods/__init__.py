@@ -1,0 +1,1 @@
+"""One repair method a file; the folder is the list."""
