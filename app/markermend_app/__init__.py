@@ -1,1 +1,1 @@
-"""The MarkerMend application: a command line and a page; it shows and sends, `markermend` computes."""
+"""The MarkerMend application: it shows and sends, and `markermend` computes."""
