@@ -1,0 +1,218 @@
+"""Laws that hold for every registered repair method, named or of another package."""
+
+import re
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from markermend.errors import BadParameter, CannotRepair
+from markermend.model import Span, Take
+from markermend.params import OneOf, Within
+from markermend.repairing.run import REPAIRS, apply, repair
+
+NAMES = REPAIRS.names()
+
+# Laws that a method does not promise, each with the reason.
+NO_ROTATION = {
+    "pchip": "monotone along each axis",
+}
+NO_SHIFT: dict[str, str] = {}
+NO_REVERSAL = {
+    "rlk": "its shape of reference is the posture before the span",
+    "auto": "its shape of reference is the posture before the span",
+}
+NO_STRAIGHT: dict[str, str] = {}
+TURN = Rotation.from_rotvec([0.7, -0.4, 1.1]).as_matrix()
+AWAY = np.array([2500.0, -1300.0, 400.0])
+
+
+@pytest.fixture(params=NAMES)
+def method(request):
+    return REPAIRS.get(request.param)
+
+
+def assert_refuses_or_fills(solve) -> None:
+    """Either finite numbers, or one sentence with a way out."""
+    try:
+        values = solve()
+    except CannotRepair as refusal:
+        assert_sentence(str(refusal))
+    else:
+        assert np.isfinite(values).all()
+
+
+def assert_sentence(text: str) -> None:
+    assert re.fullmatch(r"[^\n]{20,300}\.", text), text
+    assert "; " in text, f"no way out is offered: {text}"
+
+
+def test_gives_the_shape_and_changes_no_input(method, lab):
+    given = lab.for_method(method)
+    before = given.take.positions.copy()
+    once, again = given.solve(method.name), given.solve(method.name)
+    assert once.shape == given.truth.shape
+    assert np.isfinite(once).all() or method.name == "leave"
+    np.testing.assert_array_equal(once, again)
+    np.testing.assert_array_equal(given.take.positions, before)
+    assert not given.take.positions.flags.writeable
+
+
+def test_touches_nothing_outside_the_span(method, lab):
+    given = lab.for_method(method)
+    done = repair(
+        given.take, given.marker, given.span, method.name, kind=given.kind, partner=given.partner,
+        training=given.training,
+    )  # fmt: skip
+    written = apply(given.take, [done]).positions
+    changed = ~np.isclose(written, given.take.positions, rtol=0, atol=0, equal_nan=True)
+    frames, markers, _ = np.nonzero(changed)
+    allowed = {given.take.index(label) for label in (done.marker, *dict(done.also))}
+    assert set(markers) <= allowed
+    assert set(frames) <= set(range(given.span.start, given.span.stop))
+
+
+def test_is_documented(method):
+    assert method.summary.endswith(".")
+    assert len(method.title) > 2
+    assert len(method.source) > 10
+    assert method.kinds
+    for parameter in method.parameters:
+        assert parameter.doc, f"{parameter.name} is not described"
+        assert parameter.bounds or parameter.type is bool, f"{parameter.name} has no bounds"
+        assert parameter.check(parameter.default) == parameter.default
+
+
+def test_accepts_what_is_within_bounds_and_refuses_the_rest(method, lab):
+    given = lab.for_method(method)
+    for parameter in method.parameters:
+        bounds = parameter.bounds
+        good = bounds.choices if isinstance(bounds, OneOf) else (True, False)
+        bad = ("no such word",)
+        if isinstance(bounds, Within):
+            good = (parameter.type(bounds.low), parameter.type(bounds.high))
+            bad = (bounds.low - 1, bounds.high * 2 + 1, float("nan"), "many")
+        for value in good:
+            assert_refuses_or_fills(lambda v=value, n=parameter.name: given.solve(
+                method.name, **{n: v}) if method.name != "leave" else given.truth)  # fmt: skip
+        for value in bad:
+            with pytest.raises(BadParameter, match=parameter.name):
+                given.solve(method.name, **{parameter.name: value})
+
+
+@pytest.mark.parametrize("name", [n for n in NAMES if n != "leave"])
+class TestRefuses:
+    def solve(self, given, name, positions, span=None, labels=None):
+        take = Take(positions, given.take.rate, labels or given.take.labels)
+        return repair(
+            take, given.marker, span or given.span, name, kind=given.kind, partner=given.partner,
+            training=given.training,
+        ).values  # fmt: skip
+
+    def test_a_marker_that_is_never_seen(self, name, lab):
+        given = lab.for_method(REPAIRS.get(name))
+        positions = given.take.positions.copy()
+        positions[:, given.take.index(given.marker)] = np.nan
+        with pytest.raises(CannotRepair) as refusal:
+            self.solve(given, name, positions)
+        assert_sentence(str(refusal.value))
+
+    def test_a_take_of_which_nothing_is_seen(self, name, lab):
+        given = lab.for_method(REPAIRS.get(name))
+        with pytest.raises(CannotRepair) as refusal:
+            self.solve(given, name, np.full_like(given.take.positions, np.nan))
+        assert_sentence(str(refusal.value))
+
+    def test_a_take_of_one_frame(self, name, lab):
+        given = lab.for_method(REPAIRS.get(name))
+        with pytest.raises(CannotRepair) as refusal:
+            self.solve(given, name, given.take.positions[:1], Span(0, 1))
+        assert_sentence(str(refusal.value))
+
+    def test_or_fills_a_marker_without_neighbours(self, name, lab):
+        given = lab.for_method(REPAIRS.get(name))
+        alone = given.take.positions[:, [given.take.index(given.marker)]]
+        if given.partner is None:
+            assert_refuses_or_fills(lambda: self.solve(given, name, alone, labels=(given.marker,)))
+
+    @pytest.mark.parametrize("span", [Span(0, 20), Span(220, 240)])
+    def test_or_fills_at_the_ends_of_the_take(self, name, span, lab):
+        given = lab.for_method(REPAIRS.get(name), span=span)
+        assert_refuses_or_fills(lambda: given.solve(name))
+
+    def test_or_fills_two_dimensions(self, name, lab):
+        given = lab.for_method(REPAIRS.get(name), n_dims=2)
+        assert_refuses_or_fills(lambda: given.solve(name))
+
+    @pytest.mark.parametrize("n_frames", [2, 3, 5])
+    def test_or_fills_takes_of_a_few_frames(self, name, n_frames, lab):
+        given = lab.for_method(REPAIRS.get(name))
+        start = given.span.start - n_frames // 2
+        assert_refuses_or_fills(
+            lambda: self.solve(
+                given,
+                name,
+                given.take.positions[start : start + n_frames],
+                Span(n_frames // 2, n_frames // 2 + 1),
+            )
+        )
+
+
+@pytest.mark.parametrize("name", [n for n in NAMES if n != "leave"])
+class TestKeepsTo:
+    def test_the_truth_roughly(self, name, lab):
+        """A figure of merit no method may miss: the marker moves by 200 mm over the span."""
+        given = lab.for_method(REPAIRS.get(name))
+        error = np.linalg.norm(given.solve(name) - given.truth, axis=1).mean()
+        assert error < 40.0
+
+    @pytest.mark.parametrize("shift", [True, False])
+    def test_changes_of_coordinates(self, name, shift, lab):
+        if name in (NO_SHIFT if shift else NO_ROTATION):
+            pytest.skip("not promised: " + (NO_SHIFT if shift else NO_ROTATION)[name])
+        given = lab.for_method(REPAIRS.get(name))
+
+        def change(x):
+            return x + AWAY if shift else x @ TURN.T
+
+        np.testing.assert_allclose(
+            given.moved(change).solve(name), change(given.solve(name)), rtol=0, atol=1e-3
+        )
+
+    def test_a_change_of_unit(self, name, lab):
+        given = lab.for_method(REPAIRS.get(name))
+        metres = lab.Case(
+            Take(given.take.positions / 1000, given.take.rate, given.take.labels, units="m"),
+            given.truth, given.kind, given.marker, given.span, given.partner, given.training,
+        )  # fmt: skip
+        np.testing.assert_allclose(metres.solve(name), given.solve(name), rtol=0, atol=1e-4)
+
+    def test_the_other_direction_of_time(self, name, lab):
+        if name in NO_REVERSAL:
+            pytest.skip("not promised: " + NO_REVERSAL[name])
+        given = lab.for_method(REPAIRS.get(name))
+        n = given.take.n_frames
+        back = lab.Case(
+            given.take.with_positions(given.take.positions[::-1]),
+            given.truth[::-1],
+            given.kind,
+            span=Span(n - given.span.stop, n - given.span.start),
+            partner=given.partner,
+            training=tuple(t.with_positions(t.positions[::-1]) for t in given.training),
+        )
+        np.testing.assert_allclose(back.solve(name)[::-1], given.solve(name), rtol=0, atol=1e-3)
+
+    @pytest.mark.parametrize("velocity", [[0, 0, 0], [3.0, -1.0, 0.5]])
+    def test_a_body_that_stands_or_glides(self, name, velocity, lab):
+        if name in NO_STRAIGHT:
+            pytest.skip("not promised: " + NO_STRAIGHT[name])
+        pose = lab.walker(noise=0)[:1]
+        truth = pose + np.arange(240)[:, None, None] * np.array(velocity, float)
+        given = lab.for_method(REPAIRS.get(name), truth=truth)
+        tolerance = 15.0 if given.kind == "noise" else 0.5
+        try:
+            values = given.solve(name)
+        except CannotRepair as refusal:
+            assert_sentence(str(refusal))
+        else:
+            assert np.abs(values - given.truth).max() < tolerance
