@@ -14,7 +14,8 @@ def inside(cluster: Sequence[int], rigidity: Rigidity) -> list[Pair]:
     """Give the shortest lines that join all markers of a cluster."""
     distance = rigidity.distance[np.ix_(cluster, cluster)]
     tree = minimum_spanning_tree(np.where(np.isfinite(distance), distance + 1e-6, 1e6)).tocoo()
-    return sorted(_pair(cluster[a], cluster[b]) for a, b in zip(tree.row, tree.col, strict=True))
+    ends = zip(tree.row.tolist(), tree.col.tolist(), strict=True)
+    return sorted(_pair(cluster[a], cluster[b]) for a, b in ends)
 
 
 def between(cluster: Sequence[int], above: Sequence[int], rigidity: Rigidity) -> Pair:

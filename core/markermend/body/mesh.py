@@ -115,7 +115,7 @@ def infer(take: Take) -> Body:
     After Skurowski & Pawlyta, section 3.3.2 and Fig. 5: markers on one part of the body keep their
     distances, parts form a tree, and a part knows its parent by one marker.
     """
-    usable = take.measured[take.seen.any(axis=0)[take.measured]]
+    usable = np.array([m for m in take.measured if take.seen[:, m].any()], np.intp)
     rigidity = measure(take.positions, take.seen, usable, take.rate)
     clusters: list[tuple[int, ...]] = []
     parents: list[int | None] = []

@@ -127,4 +127,5 @@ def _coherence(moved: FloatArray) -> FloatArray:
     product = np.einsum("fid,fjd->ij", moved, moved, optimize=True)
     norm = np.sqrt(np.diag(product))
     scale = np.outer(norm, norm)
-    return np.divide(product, scale, out=np.zeros_like(product), where=scale > 0)
+    coherence: FloatArray = np.divide(product, scale, out=np.zeros_like(product), where=scale > 0)
+    return coherence

@@ -35,10 +35,10 @@ def clusters_of(members: Sequence[int], rigidity: Rigidity) -> list[list[int]]:
         labels = _at_least(_at_most(labels, cost, LARGEST), cost, SMALLEST)
         candidates.append((_silhouette(labels, cost), -n, labels))
     labels = max(candidates, key=lambda candidate: candidate[:2])[2]
-    groups = [
-        [m for m, label in zip(members, labels, strict=True) if label == g] for g in set(labels)
-    ]
-    return sorted(groups)
+    groups: dict[int, list[int]] = {}
+    for member, label in zip(members, labels, strict=True):
+        groups.setdefault(int(label), []).append(member)
+    return sorted(groups.values())
 
 
 def _at_most(labels: NDArray[np.int32], cost: FloatArray, size: int) -> NDArray[np.int32]:

@@ -5,12 +5,14 @@ from scipy.linalg import eigh
 
 from markermend.body import Body
 from markermend.model import BoolArray, FloatArray
-from markermend.predict.regressors import design, regressor_markers
+from markermend.predict.regressors import powers, regressor_markers, with_past
 
 # Directions whose share of the largest eigenvalue is smaller are dropped.
 RANK = 1e-9
 # At least so many frames for each direction that is fitted.
 FRAMES_PER_DIRECTION = 5
+# Longer takes are learnt from every second, third, ... frame.
+LEARNT = 12_000
 
 
 def polynomial(
@@ -58,15 +60,19 @@ def polynomial(
     n_trusted = int(trusted.sum())
     if not markers or n_trusted < 2 * FRAMES_PER_DIRECTION:
         return None
-    X = design(positions, markers, context, order)
-    Y = positions[:, marker]
-    known, mean = X[trusted], Y[trusted].mean(axis=0)
-    centre = known.mean(axis=0)
-    known = known - centre
-    values, vectors = eigh(known.T @ known, overwrite_a=True, check_finite=False)
+    columns = powers(positions, markers, order)
+    frames = np.flatnonzero(trusted)
+    frames = frames[:: -(-len(frames) // LEARNT)]
+    X, Y = with_past(columns, frames, context), positions[frames, marker]
+    centre, mean = X.mean(axis=0), Y.mean(axis=0)
+    X -= centre
+    values, vectors = eigh(X.T @ X, overwrite_a=True, check_finite=False)
     keep = values > RANK * max(values[-1], 1e-300)
-    keep[: -max(1, n_trusted // FRAMES_PER_DIRECTION)] = False
+    keep[: -max(1, len(frames) // FRAMES_PER_DIRECTION)] = False
     vectors = vectors[:, keep]
-    weights = vectors @ ((vectors.T @ (known.T @ (Y[trusted] - mean))) / values[keep, None])
-    predicted: FloatArray = (X - centre) @ weights + mean
+    weights = vectors @ ((vectors.T @ (X.T @ (Y - mean))) / values[keep, None])
+    predicted = np.empty_like(positions[:, marker])
+    for at in range(0, len(positions), LEARNT):
+        block = np.arange(at, min(at + LEARNT, len(positions)))
+        predicted[block] = (with_past(columns, block, context) - centre) @ weights + mean
     return predicted

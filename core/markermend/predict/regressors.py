@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from markermend.body import Body
 from markermend.model import FloatArray
@@ -29,11 +30,12 @@ def standardised(columns: FloatArray) -> FloatArray:
     """Centre columns (n_frames, n) and give them unit variance; constant ones become 0."""
     centred = columns - columns.mean(axis=0)
     scale = centred.std(axis=0)
-    return np.divide(centred, scale, out=np.zeros_like(centred), where=scale > 1e-9)
+    unit: FloatArray = np.divide(centred, scale, out=np.zeros_like(centred), where=scale > 1e-9)
+    return unit
 
 
-def design(positions: FloatArray, markers: Sequence[int], context: int, order: int) -> FloatArray:
-    """Build the rows X(n) of Eq. 9 and 11 without their constant and moving averages.
+def powers(positions: FloatArray, markers: Sequence[int], order: int) -> FloatArray:
+    """Give the coordinates of some markers, standardised and raised to powers.
 
     Parameters
     ----------
@@ -41,21 +43,25 @@ def design(positions: FloatArray, markers: Sequence[int], context: int, order: i
         (n_frames, n_markers, n_dims) without NaN in `markers`.
     markers
         Parent first, then the siblings.
-    context
-        Number k of past frames beside the present one; before the first frame stands the first.
     order
         Highest power L.
 
     Returns
     -------
-    (n_frames, len(markers) * n_dims * (context + 1) * order), the columns standardised before and
-    after they are raised to powers; that spans the same space as the raw powers do.
+    (n_frames, order * len(markers) * n_dims).  Coordinates are standardised before they are raised
+    to powers and after; that spans the same space as the raw powers do.
     """
-    n_frames = len(positions)
-    chosen = standardised(positions[:, list(markers)].reshape(n_frames, -1))
-    past = np.maximum(np.arange(n_frames)[:, None] - np.arange(context + 1), 0)
-    lagged = chosen[past].reshape(n_frames, -1)
-    return np.concatenate(
-        [lagged if power == 1 else standardised(lagged**power) for power in range(1, order + 1)],
-        axis=1,
-    )
+    base = standardised(positions[:, list(markers)].reshape(len(positions), -1))
+    columns, power = [base], base
+    for _ in range(1, order):
+        power = power * base
+        columns.append(standardised(power))
+    return np.concatenate(columns, axis=1)
+
+
+def with_past(columns: FloatArray, frames: NDArray[np.intp], context: int) -> FloatArray:
+    """Build the rows X(n) of Eq. 9 and 11 at some frames: columns now and `context` frames back.
+
+    Before the first frame stands the first.  The result is (len(frames), (context + 1) * n).
+    """
+    return np.concatenate([columns[np.maximum(frames - k, 0)] for k in range(context + 1)], axis=1)

@@ -27,9 +27,9 @@ def median_highpass(values: FloatArray, window: int) -> FloatArray:
     window
         Odd number of frames; the ends repeat their last value.
     """
-    return values - np.stack(
-        [median_filter(column, window, mode="nearest") for column in values.T], 1
-    )
+    slow = np.stack([median_filter(x, window, mode="nearest") for x in values.T], axis=1)
+    fast: FloatArray = values - slow
+    return fast
 
 
 def savgol_lowpass(values: FloatArray, order: int, window: int) -> FloatArray:

@@ -93,12 +93,12 @@ def published(
     Notes
     -----
     Read instead of what is printed: erosion is the minimum and dilation the maximum (Eq. 13, 14);
-    the peak threshold is for \\|D\\| (Eq. 20); the ratio is movSumAbs / \\|movSum\\| (Eq. 23).  M = 13
-    is the length of the window.  A peak is cut to the frames above half its height, and within
-    the width of the Savitzky-Golay filter only the largest step counts, since the filter echoes
-    it.  T_L is a multiple of the residual's deviation like T_U.  The printed thresholds fire
-    everywhere, because every coordinate exceeds three deviations somewhere; the defaults are
-    tuned.
+    the peak threshold is for the absolute value of D (Eq. 20); the ratio is movSumAbs over the
+    absolute value of movSum (Eq. 23).  M = 13 is the length of the window.  A peak is cut to the
+    frames above half its height, and within the width of the Savitzky-Golay filter only the
+    largest step counts, since the filter echoes it.  T_L is a multiple of the residual's deviation
+    like T_U.  The printed thresholds fire everywhere, because every coordinate exceeds three
+    deviations somewhere; the defaults are tuned.
     """
     if as_printed:
         peak_k, noise_k, step_k, slow_k, slow_top, slow_length = 3.0, 2.0, 3.0, 3.0, 20, 50

@@ -50,7 +50,7 @@ def findings(
         for group in _groups(marks):
             best = max(group, key=lambda mark: mark.strength)
             span = Span(min(m.span.start for m in group), max(m.span.stop for m in group))
-            per_axis = {a: 0.0 for a in range(n_dims)}
+            per_axis = dict.fromkeys(range(n_dims), 0.0)
             for mark in group:
                 axis = mark.column % n_dims
                 per_axis[axis] = max(per_axis[axis], mark.amplitude)

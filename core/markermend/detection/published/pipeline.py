@@ -17,7 +17,7 @@ EVIDENCE_S = 0.5
 
 def run(take: Take, settings: Settings) -> list[Finding]:
     """Find peaks, heavy noise, steps and slow changes on the measured markers of a take."""
-    markers = take.measured[take.seen.any(axis=0)[take.measured]]
+    markers = np.array([m for m in take.measured if take.seen[:, m].any()], np.intp)
     clean = take.positions.copy()
     trusted = np.zeros(take.positions.shape, bool)
     found: list[Finding] = []
@@ -27,7 +27,7 @@ def run(take: Take, settings: Settings) -> list[Finding]:
         found += some
     body = infer(take)
     for marker in markers:
-        known = trusted[:, marker].all(axis=1)
+        known = np.asarray(trusted[:, marker].all(axis=1))
         predicted = polynomial(
             clean, known, body, int(marker), order=settings.order, context=settings.context
         )
