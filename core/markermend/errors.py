@@ -12,6 +12,7 @@
     ├── CannotRepair            a method does not apply to this span
     ├── CannotWrite             the export would not be faithful, or the disk refused
     └── StoreError              the store of reviews cannot be used
+        └── Conflict            somebody else wrote first
 
 Messages follow one grammar: what is wrong, with the value that was given, then what would help.
 """
@@ -72,3 +73,7 @@ class CannotWrite(MarkerMendError):
 
 class StoreError(MarkerMendError):
     """The store of reviews cannot be used."""
+
+
+class Conflict(StoreError):
+    """Somebody else wrote to the same review first; nothing of ours was written."""

@@ -1,0 +1,80 @@
+"""Tables of the store, as the latest migration leaves them."""
+
+from datetime import UTC, datetime
+from typing import Any
+
+from sqlalchemy import (
+    JSON,
+    Column,
+    DateTime,
+    Dialect,
+    Float,
+    ForeignKey,
+    Integer,
+    MetaData,
+    String,
+    Table,
+    Text,
+    TypeDecorator,
+    UniqueConstraint,
+)
+
+REVISIONS = ("0001",)
+"""All schemas so far, oldest first; kept here since loading the migrations takes half a second."""
+
+VERSION_TABLE = "markermend_schema"
+
+
+class Utc(TypeDecorator[datetime]):
+    """Moments with a zone in Python, UTC without one in the database."""
+
+    impl = DateTime
+    cache_ok = True
+
+    def process_bind_param(self, value: datetime | None, dialect: Dialect) -> Any:
+        """Store in UTC."""
+        return None if value is None else value.astimezone(UTC).replace(tzinfo=None)
+
+    def process_result_value(self, value: Any, dialect: Dialect) -> datetime | None:
+        """Give it back with its zone."""
+        return None if value is None else value.replace(tzinfo=UTC)
+
+
+metadata = MetaData()
+
+takes = Table(
+    "takes",
+    metadata,
+    Column("sha256", String(64), primary_key=True),
+    Column("name", Text, nullable=False),
+    Column("path", Text, index=True),
+    Column("n_frames", Integer, nullable=False),
+    Column("rate", Float, nullable=False),
+    Column("given_units", String(8)),
+    Column("given_rate", Float),
+    Column("first_seen", Utc, nullable=False),
+    Column("last_seen", Utc, nullable=False),
+)
+
+reviews = Table(
+    "reviews",
+    metadata,
+    Column("id", Integer, primary_key=True),
+    Column("take", String(64), ForeignKey("takes.sha256"), nullable=False),
+    Column("operator", Text, nullable=False),
+    Column("purpose", Text, nullable=False),
+    Column("status", String(16), nullable=False),
+    Column("created", Utc, nullable=False),
+    UniqueConstraint("take", "operator", "purpose", name="one_review_per_purpose"),
+)
+
+journal = Table(
+    "journal",
+    metadata,
+    Column("review", Integer, ForeignKey("reviews.id"), primary_key=True),
+    Column("seq", Integer, primary_key=True, autoincrement=False),
+    Column("action", String(8), nullable=False),
+    Column("command", JSON(none_as_null=True)),
+    Column("operator", Text, nullable=False),
+    Column("at", Utc, nullable=False),
+)

@@ -1,0 +1,324 @@
+"""Where reviews are kept: SQLite by default, any database of SQLAlchemy by its URL.
+
+A take is known by the hash of its content: renamed or moved it keeps its reviews. A review is an
+append-only journal of what was done, undone and redone; nothing in it is ever changed. To restore
+a backup, give its file as the store.
+"""
+
+import getpass
+import os
+import sqlite3
+from collections.abc import Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Literal, Self
+
+from sqlalchemy import Row, func, insert, select, update
+from sqlalchemy.exc import IntegrityError
+
+from markermend.errors import Conflict, StoreError
+from markermend.model import Take
+from markermend.review.database import locate, open_engine, shown, spoken, writing
+from markermend.review.schema import journal, reviews, takes
+
+Action = Literal["do", "undo", "redo"]
+
+
+@dataclass(frozen=True)
+class TakeRecord:
+    """A take that the store has seen; ``given_units`` and ``given_rate`` are what it lacked."""
+
+    sha256: str
+    name: str
+    path: Path | None
+    n_frames: int
+    rate: float
+    given_units: str | None
+    given_rate: float | None
+    first_seen: datetime
+    last_seen: datetime
+
+
+@dataclass(frozen=True)
+class ReviewRecord:
+    """One operator's review of one take, without its journal."""
+
+    id: int
+    take: str
+    operator: str
+    purpose: str
+    status: str
+    created: datetime
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A line of a journal: ``command`` belongs to ``"do"`` alone."""
+
+    seq: int
+    action: Action
+    command: Mapping[str, Any] | None
+    operator: str
+    at: datetime
+
+
+def default_operator() -> str:
+    """Give the name under which decisions are kept: ``MARKERMEND_OPERATOR``, else the login."""
+    try:
+        return os.environ.get("MARKERMEND_OPERATOR") or getpass.getuser()
+    except (OSError, KeyError, ImportError):  # an account without a name, as in some containers
+        return "operator"
+
+
+class Store:
+    """The store of reviews; every call is one transaction, on disk when it returns.
+
+    Parameters
+    ----------
+    where
+        A file, a folder, or the URL of a database; by default the environment variable
+        ``MARKERMEND_STORE``, else a file in the user's data folder.
+
+    Raises
+    ------
+    StoreError
+        If the store cannot be opened; likewise from every method.
+    """
+
+    def __init__(self, where: str | Path | None = None) -> None:
+        url = locate(where)
+        self.where = shown(url)
+        self._engine = open_engine(url)
+
+    def close(self) -> None:
+        """Close all connections."""
+        self._engine.dispose()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def remember(
+        self, take: Take, *, given_units: str | None = None, given_rate: float | None = None
+    ) -> None:
+        """Note that this take was opened, and where it lies now.
+
+        Parameters
+        ----------
+        take
+            The take as read.
+        given_units, given_rate
+            What the operator supplied because the file lacks it; kept for the next time.
+        """
+        path = None if take.source is None else take.source.path
+        now = datetime.now(UTC)
+        values: dict[str, Any] = {
+            "name": "untitled" if path is None else _storable(path.name),
+            "path": None if path is None else _storable(path.absolute()),
+            "n_frames": take.n_frames,
+            "rate": take.rate,
+            "last_seen": now,
+        }
+        values |= {"given_units": given_units} if given_units is not None else {}
+        values |= {"given_rate": given_rate} if given_rate is not None else {}
+        known = update(takes).where(takes.c.sha256 == take.content_hash).values(**values)
+        fresh = insert(takes).values(sha256=take.content_hash, first_seen=now, **values)
+        with spoken(self.where):
+            try:
+                with writing(self._engine) as connection:
+                    if not connection.execute(known).rowcount:
+                        connection.execute(fresh)
+            except IntegrityError:  # somebody else inserted it in between
+                with writing(self._engine) as connection:
+                    connection.execute(known)
+
+    def take(self, sha256: str) -> TakeRecord | None:
+        """Give what is known of a take, or None."""
+        found = self._rows(select(takes).where(takes.c.sha256 == sha256))
+        return _take_record(found[0]) if found else None
+
+    def takes(self, limit: int | None = None) -> tuple[TakeRecord, ...]:
+        """Give the takes, the last opened first."""
+        query = select(takes).order_by(takes.c.last_seen.desc(), takes.c.sha256).limit(limit)
+        return tuple(_take_record(row) for row in self._rows(query))
+
+    def changed_since(self, path: str | Path, sha256: str) -> TakeRecord | None:
+        """Give the other content that this path had when it was last opened, or None.
+
+        Ask before `remember`; the reviews of the earlier content stay with that content.
+        """
+        query = (
+            select(takes)
+            .where(takes.c.path == _storable(Path(path).absolute()))
+            .order_by(takes.c.last_seen.desc())
+            .limit(1)
+        )
+        found = [_take_record(row) for row in self._rows(query)]
+        return found[0] if found and found[0].sha256 != sha256 else None
+
+    def review(
+        self, take: str, operator: str | None = None, purpose: str = "review"
+    ) -> ReviewRecord:
+        """Give the review of a remembered take by an operator, and begin it if there is none.
+
+        Parameters
+        ----------
+        take
+            Content hash of the take.
+        operator
+            Whose review; by default `default_operator`.
+        purpose
+            Tells reviews of one take by one operator apart.
+        """
+        who = operator or default_operator()
+        wanted = select(reviews).where(
+            reviews.c.take == take, reviews.c.operator == who, reviews.c.purpose == purpose
+        )
+        if found := self._rows(wanted):
+            return _review_record(found[0])
+        if self.take(take) is None:
+            raise StoreError(f"The store {self.where} does not know the take {take[:12]}; open it.")
+        fresh = insert(reviews).values(
+            take=take, operator=who, purpose=purpose, status="open", created=datetime.now(UTC)
+        )
+        with spoken(self.where):
+            try:
+                with writing(self._engine) as connection:
+                    connection.execute(fresh)
+            except IntegrityError:  # two windows began it at once: it is there now
+                pass
+        return _review_record(self._rows(wanted)[0])
+
+    def reviews(self, take: str | None = None) -> tuple[ReviewRecord, ...]:
+        """Give all reviews, or those of one take, oldest first."""
+        query = select(reviews).order_by(reviews.c.created, reviews.c.id)
+        if take is not None:
+            query = query.where(reviews.c.take == take)
+        return tuple(_review_record(row) for row in self._rows(query))
+
+    def set_status(self, review: int, status: Literal["open", "finished"]) -> None:
+        """Say that a review is finished, or open again."""
+        with spoken(self.where), writing(self._engine) as connection:
+            connection.execute(update(reviews).where(reviews.c.id == review).values(status=status))
+
+    def entries(self, review: int, after: int = 0) -> tuple[Entry, ...]:
+        """Give the journal of a review, from the entry that follows number `after`."""
+        query = (
+            select(journal)
+            .where(journal.c.review == review, journal.c.seq > after)
+            .order_by(journal.c.seq)
+        )
+        return tuple(
+            Entry(row.seq, row.action, row.command, row.operator, row.at)
+            for row in self._rows(query)
+        )
+
+    def append(
+        self,
+        review: int,
+        after: int,
+        lines: Sequence[tuple[Action, Mapping[str, Any] | None]],
+        operator: str,
+    ) -> tuple[Entry, ...]:
+        """Append to a journal, all lines or none.
+
+        Parameters
+        ----------
+        review
+            Id of the review.
+        after
+            Number of the last entry that the caller knows.
+        lines
+            Actions with their commands.
+        operator
+            Who does it.
+
+        Raises
+        ------
+        Conflict
+            If somebody else has appended since.
+        """
+        now = datetime.now(UTC)
+        fresh = tuple(
+            Entry(after + i, action, command, operator, now)
+            for i, (action, command) in enumerate(lines, 1)
+        )
+        rows = [
+            {
+                "review": review,
+                "seq": entry.seq,
+                "action": entry.action,
+                "command": entry.command,
+                "operator": entry.operator,
+                "at": entry.at,
+            }
+            for entry in fresh
+        ]
+        last = select(func.max(journal.c.seq)).where(journal.c.review == review)
+        with spoken(self.where):
+            try:
+                with writing(self._engine) as connection:
+                    if (connection.scalar(last) or 0) != after:
+                        raise _conflict()
+                    connection.execute(insert(journal), rows)
+            except IntegrityError:
+                raise _conflict() from None
+        return fresh
+
+    def backup(self, path: str | Path) -> None:
+        """Copy an SQLite store while it is in use; the copy is whole or absent.
+
+        Raises
+        ------
+        StoreError
+            If the file cannot be written, or the store is no SQLite file.
+        """
+        if self._engine.dialect.name != "sqlite":
+            raise StoreError(f"The store {self.where} is no file; back it up with pg_dump.")
+        target = Path(path).absolute()
+        if str(target) == self.where:
+            raise StoreError(f"{target} is the store itself; give another file for the backup.")
+        draft = target.with_name(f".{target.name}.{os.getpid()}.part")
+        try:
+            with closing(sqlite3.connect(draft)) as copy, self._engine.connect() as connection:
+                source = connection.connection.driver_connection
+                assert isinstance(source, sqlite3.Connection)
+                source.backup(copy)
+            draft.replace(target)
+        except (OSError, sqlite3.Error) as error:
+            raise StoreError(
+                f"The backup {target} cannot be written ({error}); choose another place."
+            ) from None
+        finally:
+            draft.unlink(missing_ok=True)
+
+    def _rows(self, query: Any) -> list[Row[Any]]:
+        with spoken(self.where), self._engine.connect() as connection:
+            return list(connection.execute(query))
+
+
+def _storable(path: str | Path) -> str:
+    """Give a path as text that any database takes, also where its bytes are no UTF-8."""
+    return str(path).encode("utf-8", "backslashreplace").decode()
+
+
+def _conflict() -> Conflict:
+    return Conflict("This review was changed in another window; reload it to go on from there.")
+
+
+def _take_record(row: Row[Any]) -> TakeRecord:
+    return TakeRecord(**{**row._asdict(), "path": row.path and Path(row.path)})
+
+
+def _review_record(row: Row[Any]) -> ReviewRecord:
+    return ReviewRecord(**row._asdict())
