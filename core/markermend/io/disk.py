@@ -1,0 +1,73 @@
+"""Put bytes on the disk whole or not at all."""
+
+import contextlib
+import os
+import secrets
+from collections.abc import Callable
+from pathlib import Path
+
+from markermend.errors import CannotWrite
+
+
+def write_whole(
+    path: Path,
+    data: bytes | bytearray,
+    *,
+    overwrite: bool,
+    check: Callable[[Path], None] = lambda written: None,
+) -> None:
+    """Write a file under a temporary name beside its target, check it, then rename it.
+
+    Whatever interrupts this leaves the old file or the new one, whole.
+
+    Parameters
+    ----------
+    path, data
+        The target and its bytes.
+    overwrite
+        Whether an existing target is replaced.
+    check
+        Called with the file as it is on the disk, before it gets its name; raises to refuse.
+
+    Raises
+    ------
+    CannotWrite
+        If the target exists and must not be replaced, or the disk refuses.
+    """
+    refuse_existing(path, overwrite=overwrite)
+    temporary = path.with_name(f".{secrets.token_hex(8)}.part")
+    try:
+        with temporary.open("xb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        check(temporary)
+        if path.exists():
+            temporary.chmod(path.stat().st_mode)
+        temporary.replace(path)
+        _sync_folder(path.parent)
+    except OSError as error:
+        raise CannotWrite(
+            f"{path} cannot be written: {error.strerror or error}; choose another place."
+        ) from None
+    finally:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+
+
+def refuse_existing(path: Path, *, overwrite: bool) -> None:
+    """Refuse a target that is a folder, or that exists and must not be replaced."""
+    if path.is_dir():
+        raise CannotWrite(f"{path} is a folder; name a file in it.")
+    if path.exists() and not overwrite:
+        raise CannotWrite(f"{path} exists; choose another name or allow to overwrite it.")
+
+
+def _sync_folder(folder: Path) -> None:
+    if os.name != "posix":
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

@@ -1,0 +1,175 @@
+"""What a file format is to the rest of the project, and how one is found."""
+
+import importlib
+import pkgutil
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from markermend.errors import MarkerMendError, UnreadableTake
+from markermend.io import formats
+from markermend.io.contents import Contents
+from markermend.model import BoolArray, FloatArray, Take
+
+_HEAD = 65536
+GROUP = "markermend.formats"
+"""Entry-point group by which other distributions add a format."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How a file is to be read.
+
+    Attributes
+    ----------
+    ignore_residuals
+        In C3D files, take every sample as seen whatever its residual says.
+    second_opinion
+        Let ezc3d read a C3D file as well; an export that only compares does without.
+    """
+
+    ignore_residuals: bool = False
+    second_opinion: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Stored:
+    """What a file's bytes hold, sample by sample, for the verification of an export.
+
+    Attributes
+    ----------
+    positions
+        (n_frames, n_points, n_dims) in the file's own unit, NaN = not seen.
+    rest
+        Everything in the file that is no sample, in a form in which equal means unchanged.
+    raw
+        (n_frames, n_points, ...) the samples as they are stored, bit for bit.
+    """
+
+    positions: FloatArray
+    rest: bytes
+    raw: NDArray[np.generic]
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """The bytes of an export.
+
+    Attributes
+    ----------
+    data
+        The new file.
+    resolution
+        Largest step between two numbers that the file can hold there, in the file's own unit.
+    """
+
+    data: bytes | bytearray
+    resolution: float
+
+
+class Patcher(Protocol):
+    """Changes samples in the bytes of a file and nothing else.
+
+    ``positions`` are (n_frames, n_points, n_dims) in the file's own unit, ``changed`` is
+    (n_frames, n_points).
+    """
+
+    def __call__(
+        self, data: bytes, reading: Reading, positions: FloatArray, changed: BoolArray
+    ) -> Patch:
+        """Give the new bytes; raise CannotWrite where the format cannot hold them."""
+
+
+@dataclass(frozen=True)
+class Format:
+    """One file format.
+
+    Attributes
+    ----------
+    name, title
+        In records, and for people.
+    extensions
+        Lower case, with the dot.
+    recognises
+        ``(path, head)``: whether the content is of this format; head are the first bytes, none
+        for a folder.
+    open
+        Read a file.
+    inspect
+        Take the bytes of a file apart, for patching and its verification; None where files are
+        always written anew.
+    patch
+        Change samples in the bytes of a file; None likewise.
+    write
+        Write a take anew: bytes, or None where the format cannot be written anew.
+    """
+
+    name: str
+    title: str
+    extensions: tuple[str, ...]
+    recognises: Callable[[Path, bytes], bool]
+    open: Callable[[Path, Reading], Contents]
+    inspect: Callable[[bytes, Reading], Stored] | None = None
+    patch: Patcher | None = None
+    write: Callable[[Take], bytes] | None = None
+
+
+@cache
+def all_formats() -> tuple[Format, ...]:
+    """Import and return every format, our own and those of other distributions."""
+    return tuple(_found())
+
+
+def _found() -> Iterator[Format]:
+    own = sorted(module.name for module in pkgutil.iter_modules(formats.__path__))
+    for name in own:
+        found = importlib.import_module(f"{formats.__name__}.{name}").FORMAT
+        yield _checked(found, name)
+    for entry in entry_points(group=GROUP):
+        if entry.name not in own:
+            yield _checked(entry.load(), entry.name)
+
+
+def _checked(found: object, name: str) -> Format:
+    if not isinstance(found, Format) or found.name != name:
+        raise MarkerMendError(f"The format {name!r} is no Format of that name.")
+    return found
+
+
+def format_of(path: Path) -> Format:
+    """Choose the format of a file by its content, else by its extension.
+
+    Raises
+    ------
+    UnreadableTake
+        If there is no such file, or nothing knows it.
+    """
+    try:
+        head = b""
+        if not path.is_dir():
+            with path.open("rb") as file:
+                head = file.read(_HEAD)
+    except OSError as error:
+        raise UnreadableTake(f"{path} cannot be read: {error.strerror or error}.") from None
+    known = all_formats()
+    extension = path.suffix.lower()
+    by_name = [format_ for format_ in known if extension in format_.extensions]
+    by_content = [format_ for format_ in known if format_.recognises(path, head)]
+    for format_ in (*(f for f in by_content if f in by_name), *by_content, *by_name):
+        return format_
+    raise UnreadableTake(
+        f"{path.name} is in no format that is known; known are "
+        f"{', '.join(format_.title for format_ in known)}."
+    )
+
+
+def format_for(path: Path) -> Format | None:
+    """Choose the format to write anew by the extension of the target."""
+    extension = path.suffix.lower()
+    return next((f for f in all_formats() if extension in f.extensions and f.write), None)

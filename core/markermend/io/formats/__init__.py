@@ -1,0 +1,1 @@
+"""One file per format; each holds a `Format` named FORMAT, and the folder is the list."""

@@ -1,0 +1,129 @@
+"""NumPy's .npz: positions, labels and rate as plain arrays, without pickled objects."""
+
+import io
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from markermend.errors import UnreadableTake
+from markermend.io.contents import Contents, seen_only, sha256_of, unique_labels, unit_name, warned
+from markermend.io.format import Format, Reading
+from markermend.io.limits import MOST_SAMPLES, check_size
+from markermend.io.roles import roles_of
+from markermend.model import Event, Role, Take
+
+_ROLES: tuple[Role, ...] = ("measured", "unlabelled", "model")
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    """Whether this is a zip archive with the extension .npz."""
+    return path.suffix.lower() == ".npz" and head[:2] == b"PK"
+
+
+def open_npz(path: Path, _reading: Reading) -> Contents:
+    """Read arrays ``positions`` and, where present, ``labels rate units first_frame roles``.
+
+    Raises
+    ------
+    UnreadableTake
+        If the archive is broken, too large, or holds no positions.
+    """
+    arrays = _arrays(path)
+    if "positions" not in arrays:
+        raise UnreadableTake(
+            f"{path.name} has no array 'positions'; it holds {', '.join(arrays) or 'nothing'}."
+        )
+    positions = arrays["positions"]
+    if positions.ndim != 3 or positions.shape[2] not in (2, 3) or positions.dtype.kind not in "fiu":
+        raise UnreadableTake(
+            f"positions must be numbers of shape (frames, markers, 2 or 3); {path.name} has "
+            f"{positions.dtype} of shape {positions.shape}."
+        )
+    positions = positions.astype(np.float64)
+    n_frames, n_points, n_dims = positions.shape
+    check_size(n_frames, n_points)
+    names = [str(name) for name in arrays.get("labels", np.array([])).ravel()]
+    if not names:
+        names = [f"point{i}" for i in range(1, n_points + 1)]
+    if len(names) != n_points:
+        raise UnreadableTake(f"{path.name} has {len(names)} labels for {n_points} markers.")
+    labels = unique_labels(names)
+    roles = tuple(str(role) for role in arrays.get("roles", np.array([])).ravel())
+    fitting = len(roles) == n_points and set(roles) <= set(_ROLES)
+    rate = _number(arrays, "rate")
+    clean, odd = seen_only(positions, np.ones((n_frames, n_points), bool), zero_is_gap=False)
+    return Contents(
+        path=path,
+        format="npz",
+        sha256=sha256_of(path),
+        positions=clean,
+        rate=rate if rate is not None and np.isfinite(rate) and rate > 0 else None,
+        units="px" if n_dims == 2 else unit_name(str(arrays.get("units", ""))),
+        labels=labels,
+        roles=roles if fitting else roles_of(labels, names),  # type: ignore[arg-type]
+        first_frame=int(_number(arrays, "first_frame") or 1) if "first_frame" in arrays else 1,
+        events=_events(arrays),
+        warnings=warned(odd),
+    )
+
+
+def _arrays(path: Path) -> dict[str, np.ndarray[Any, Any]]:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            unpacked = sum(member.file_size for member in archive.infolist())
+        if unpacked > 32 * MOST_SAMPLES:
+            raise UnreadableTake(
+                f"{path.name} unpacks to {unpacked / 1e9:.1f} GB; cut the recording into parts."
+            )
+        with np.load(path, allow_pickle=False) as stored:
+            return {name: stored[name] for name in stored.files}
+    except UnreadableTake:
+        raise
+    except (OSError, ValueError, zipfile.BadZipFile, NotImplementedError, EOFError) as error:
+        raise UnreadableTake(f"{path.name} is no archive of plain arrays: {error}.") from None
+
+
+def _number(arrays: dict[str, np.ndarray[Any, Any]], name: str) -> float | None:
+    value = arrays.get(name)
+    if value is None or value.size != 1 or value.dtype.kind not in "fiu":
+        return None
+    return float(value.ravel()[0])
+
+
+def _events(arrays: dict[str, np.ndarray[Any, Any]]) -> tuple[Event, ...]:
+    labels, times = arrays.get("event_labels"), arrays.get("event_times_s")
+    contexts = arrays.get("event_contexts")
+    if labels is None or times is None or contexts is None or times.dtype.kind != "f":
+        return ()
+    rows = zip(labels.ravel(), times.ravel(), contexts.ravel(), strict=False)
+    return tuple(Event(str(label), float(time), str(context)) for label, time, context in rows)
+
+
+def write_npz(take: Take) -> bytes:
+    """Give the bytes of an archive from which `open_npz` reads the same take."""
+    file = io.BytesIO()
+    np.savez_compressed(
+        file,
+        positions=take.positions,
+        rate=np.float64(take.rate),
+        labels=np.array(take.labels, dtype=np.str_),
+        units=np.array(take.units),
+        first_frame=np.int64(take.first_frame),
+        roles=np.array(take.roles, dtype=np.str_),
+        event_labels=np.array([event.label for event in take.events], dtype=np.str_),
+        event_times_s=np.array([event.time_s for event in take.events], dtype=np.float64),
+        event_contexts=np.array([event.context for event in take.events], dtype=np.str_),
+    )
+    return file.getvalue()
+
+
+FORMAT = Format(
+    name="npz",
+    title="NumPy .npz",
+    extensions=(".npz",),
+    recognises=recognises,
+    open=open_npz,
+    write=write_npz,
+)
