@@ -6,7 +6,7 @@ const FLAT = [1, 0, 0, 0, 1, 0, 0, 0, 1];
 
 // Many copies of one shape, each with its place, direction, size and colour.
 class Copies {
-  constructor(vtk, renderer, shape, capacity, { lit = false } = {}) {
+  constructor(vtk, renderer, shape, capacity, lit) {
     this.points = new Float32Array(3 * capacity);
     this.turns = new Float32Array(9 * capacity);
     this.sizes = new Float32Array(3 * capacity);
@@ -94,14 +94,14 @@ class Path {
   }
 }
 
-function polydata(vtk, { points, polys, lines }, normals) {
+function polydata(vtk, { points, polys, lines }, isTube = false) {
   const data = vtk.Common.DataModel.vtkPolyData.newInstance();
   const values = new Float32Array(points);
   data.getPoints().setData(values.slice(), 3);
   if (polys) data.getPolys().setData(new Uint32Array(polys));
   if (lines) data.getLines().setData(new Uint32Array(lines));
-  if (normals) {
-    const around = values.map((v, i) => (normals === "tube" && i % 3 === 2 ? 0 : v));
+  if (isTube) {
+    const around = values.map((v, i) => (i % 3 === 2 ? 0 : v)); // away from its axis
     data.getPointData().setNormals(vtk.Common.Core.vtkDataArray.newInstance({
       name: "Normals", values: around, numberOfComponents: 3,
     }));
@@ -131,12 +131,11 @@ export class WebGLPainter {
   setScene(meshes, take) {
     const { vtk, renderer } = this;
     renderer.removeAllActors();
-    const copies = (shape, capacity, options, normals) =>
-      new Copies(vtk, renderer, polydata(vtk, meshes[shape], normals), capacity, options);
+    const copies = (shape, capacity, lit = false) =>
+      new Copies(vtk, renderer, polydata(vtk, meshes[shape], lit), capacity, lit);
     this.floor = this.addFloor(meshes.floor);
-    this.shadows = copies("disc", take.n_markers);
-    this.bones = copies("bone", Math.max(1, take.bones.length / 2), { lit: true }, "tube");
-    this.markers = copies("marker", take.n_markers, { lit: true }, "ball");
+    this.discs = copies("disc", 2 * take.n_markers); // markers and their shadows
+    this.bones = copies("bone", Math.max(1, take.bones.length / 2), true);
     this.rings = copies("ring", take.n_markers + 2);
     this.paths = [[1, "rawTrail"], [2, "trail"]].map(([width, name]) =>
       [name, new Path(vtk, renderer, polydata(vtk, meshes.trail), width)]);
@@ -178,7 +177,7 @@ export class WebGLPainter {
     if (this.coloured !== colours) this.colourFloor(colours);
     const home = camera.focal;
     const facing = [...camera.right, ...camera.up, ...camera.back];
-    this.paintMarkers(picture, camera, colours, home);
+    this.paintMarkers(picture, camera, colours, home, facing);
     this.paintBones(picture, camera, colours, home);
     this.paintRings(picture, camera, colours, home, facing);
     for (const [name, path] of this.paths) {
@@ -192,23 +191,25 @@ export class WebGLPainter {
     this.window.render();
   }
 
-  paintMarkers(picture, camera, colours, home) {
+  paintMarkers(picture, camera, colours, home, facing) {
+    const { discs } = this;
     const { xyz, seen, fade } = picture;
-    this.markers.begin(home);
-    this.shadows.begin(home);
+    const { back } = camera;
+    discs.begin(home);
     for (let i = 0; i < picture.n; i++) {
       if (!seen[i]) continue;
       const x = xyz[3 * i], y = xyz[3 * i + 1], z = xyz[3 * i + 2];
       const radius = picture.radius(i, camera);
-      const at = this.markers.add(x, y, z, FLAT, radius, radius);
+      // Nearer to the eye by its radius, as the front of a ball is: clear of the bones' ends.
+      const at = discs.add(x + radius * back[0], y + radius * back[1], z + radius * back[2],
+        facing, radius, 1);
       const chosen = i === picture.selected;
       mix(chosen ? colours.accent : colours.marker, colours.view, chosen ? 1 : fade[i],
-        this.markers.colours, at);
-      const on = this.shadows.add(x, y, this.take.floor + 1, FLAT, 1.7 * radius, 1);
-      this.shadows.colours.set(colours.shadow, on);
+        discs.colours, at);
+      const on = discs.add(x, y, this.take.floor + 1, FLAT, 1.7 * radius, 1);
+      discs.colours.set(colours.shadow, on);
     }
-    this.markers.end();
-    this.shadows.end();
+    discs.end();
   }
 
   paintBones(picture, camera, colours, home) {
@@ -232,7 +233,7 @@ export class WebGLPainter {
   paintRings(picture, camera, colours, home, facing) {
     this.rings.begin(home);
     const ring = (x, y, z, radius, colour) => {
-      const near = radius + 4; // towards the eye, clear of the ball inside
+      const near = radius + 6; // towards the eye, clear of the ball inside
       const at = this.rings.add(x + near * camera.back[0], y + near * camera.back[1],
         z + near * camera.back[2], facing, radius, radius);
       this.rings.colours.set(colour, at);

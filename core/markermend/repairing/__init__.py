@@ -6,6 +6,18 @@ only `apply` writes positions.
 """
 
 from markermend.repairing.problem import Outcome, Problem, Repair
-from markermend.repairing.run import REPAIRS, apply, fill, repair, repair_all
+from markermend.repairing.run import DEFAULTS, REPAIRS, Refusal, Wish, apply, fill, repair, repair_all
 
-__all__ = ["REPAIRS", "Outcome", "Problem", "Repair", "apply", "fill", "repair", "repair_all"]
+__all__ = [
+    "DEFAULTS",
+    "REPAIRS",
+    "Outcome",
+    "Problem",
+    "Refusal",
+    "Repair",
+    "Wish",
+    "apply",
+    "fill",
+    "repair",
+    "repair_all",
+]

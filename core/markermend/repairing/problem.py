@@ -122,3 +122,13 @@ class Repair:
     expected_mm: float | None = None
     note: str = ""
     also: tuple[tuple[str, FloatArray], ...] = ()
+
+    def largest_change(self, take: Take) -> float | None:
+        """Give the largest distance in mm between repaired and recorded positions of the span.
+
+        None where nothing was recorded, or the span is left as a gap.
+        """
+        before = take.positions[self.span.frames, take.index(self.marker)]
+        distance = np.linalg.norm(self.values - before, axis=1)
+        known = distance[np.isfinite(distance)]
+        return float(known.max()) if known.size else None

@@ -144,6 +144,8 @@ def fill(
 def apply(take: Take, repairs: Iterable[Repair]) -> Take:
     """Write repairs into a copy of the take; nothing outside their spans changes.
 
+    A span that is left as a gap becomes one: what was recorded there is no longer seen.
+
     Raises
     ------
     BadInput
@@ -160,9 +162,7 @@ def apply(take: Take, repairs: Iterable[Repair]) -> Take:
                     "merge the spans or give one of them up."
                 )
             written[done.span.frames, marker] = True
-            keep = done.method == "leave"
-            if not keep:
-                positions[done.span.frames, marker] = values
+            positions[done.span.frames, marker] = values
     return take.with_positions(positions)
 
 

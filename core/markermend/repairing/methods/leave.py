@@ -1,4 +1,4 @@
-"""Leave it as it is."""
+"""Leave it as a gap."""
 
 import numpy as np
 
@@ -7,12 +7,12 @@ from markermend.registry import method
 from markermend.repairing.problem import Problem
 
 
-@method(title="Leave as it is", kinds=KINDS, source="an operator's decision like any other")
+@method(title="Leave as a gap", kinds=KINDS, source="an operator's decision like any other")
 def leave(problem: Problem) -> FloatArray:
-    """Change nothing: a gap stays a gap, an artefact stays as recorded.
+    """Invent nothing: a gap stays one, and an artefact becomes one.
 
     Returns
     -------
-    (len(span), n_dims), all NaN, of which nothing is written.
+    (len(span), n_dims), all NaN.
     """
     return np.full((len(problem.span), problem.n_dims), np.nan)

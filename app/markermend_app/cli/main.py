@@ -1,0 +1,75 @@
+"""Parse the command line, run one command, and turn its outcome into an exit code.
+
+Exit codes: 0 done; 2 one sentence on stderr for bad input or usage; 1 a fault of ours.
+"""
+
+import argparse
+import importlib
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+
+from markermend import __version__
+from markermend.errors import MarkerMendError
+
+COMMANDS = {
+    "review": "review a take in the browser",
+    "demo": "review the demonstration take",
+    "info": "say what a take holds",
+    "detect": "list gaps and artefacts",
+    "repair": "fill gaps, repair artefacts, write the take back",
+    "simulate": "make a take of a walking or sitting person, with known artefacts",
+}
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> "argparse.NoReturn":  # type: ignore[name-defined]
+        raise _Usage(f"{self.prog}: {message}; see {self.prog} --help")
+
+
+class _Usage(Exception):
+    """What was typed is not a command."""
+
+
+def _parser(command: str | None) -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="markermend",
+        description="Find, judge and repair artefacts in marker trajectories.",
+    )
+    parser.add_argument("--version", action="version", version=f"markermend {__version__}")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    for name, summary in COMMANDS.items():
+        sub = commands.add_parser(name, help=summary, description=f"{summary.capitalize()}.")
+        if name == command:  # only the command at hand is imported: the others cost nothing
+            _module(name).arguments(sub)
+    return parser
+
+
+def _module(name: str):  # type: ignore[no-untyped-def]
+    return importlib.import_module(f"markermend_app.cli.{name}")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code."""
+    given = list(sys.argv[1:] if argv is None else argv)
+    command = next((word for word in given if not word.startswith("-")), None)
+    try:
+        options = _parser(command if command in COMMANDS else None).parse_args(given)
+        code: int = _module(options.command).run(options) or 0
+        sys.stdout.flush()
+    except (MarkerMendError, _Usage) as refusal:
+        print(" ".join(str(refusal).split()), file=sys.stderr)
+        return 2
+    except BrokenPipeError:  # the reader had enough: `markermend info take | head -1`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except KeyboardInterrupt:
+        return 130
+    except Exception:  # noqa: BLE001  a fault of ours: the whole of it, and exit code 1
+        traceback.print_exc()
+        print(
+            "This is a fault of markermend; please report it with the lines above.", file=sys.stderr
+        )
+        return 1
+    return code

@@ -1,0 +1,154 @@
+"""``markermend repair TAKE -o OUT``: repair and write back, nothing else changed."""
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+from markermend import detection, repairing
+from markermend.errors import BadInput, CannotWrite
+from markermend.io import Written
+from markermend.model import Finding, Take
+from markermend.review import Review
+from markermend.review.mending import Mended, accepted_all, mend, save
+from markermend_app.cli.common import kinds, progress, read, take_argument, warn
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    take_argument(parser)
+    parser.add_argument("-o", "--out", metavar="OUT", type=Path, required=True, help="new file")
+    parser.add_argument(
+        "--method",
+        default="",
+        metavar="NAME",
+        help=f"one of {', '.join(repairing.REPAIRS.names())} (default: by kind)",
+    )
+    parser.add_argument(
+        "--kinds", metavar="A,B", help="what to repair (default: gap); others are detected first"
+    )
+    parser.add_argument(
+        "--decisions", metavar="FILE", type=Path, help="repair what was accepted in this file"
+    )
+    parser.add_argument("--report", metavar="FILE.json", type=Path, help="write what was done")
+    parser.add_argument("--force", action="store_true", help="replace OUT if it is there")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Repair inner gaps of measured markers, and whatever else was named or accepted."""
+    if options.decisions is not None and (options.kinds is not None or options.method):
+        raise BadInput("--decisions says what is repaired and how; leave out --kinds and --method.")
+    wanted = kinds(options.kinds) if options.kinds is not None else ("gap",)
+    if options.method:
+        repairing.REPAIRS.get(options.method)
+    take = read(options)
+    stays: list[dict[str, Any]] = []
+    if options.decisions is not None:
+        from markermend.review.decisions import read_decisions
+
+        decisions = read_decisions(options.decisions)
+        decisions.wishes(take)
+        review = decisions.review
+    else:
+        review, stays = _review(take, wanted, options.method)
+    wishes = review.accepted()
+    mended = mend(take, wishes, progress=progress(len(wishes), "Repairing"))
+    stays += [
+        {
+            "marker": r.wish.marker,
+            "start": r.wish.span.start,
+            "stop": r.wish.span.stop,
+            "kind": r.wish.kind,
+            "reason": r.reason,
+        }
+        for r in mended.refusals
+    ]
+    written, beside = save(mended, review, options.out, overwrite=options.force)
+    warn(f"{s['marker']} {s['start']}-{s['stop']} stays: {s['reason']}" for s in stays)
+    if options.report is not None:
+        _report(options.report, options, take, mended, written, stays)
+    print(
+        f"{options.out}: {len(mended.repairs)} spans repaired, {written.n_changed} samples changed, "
+        f"{len(stays)} spans stay ({written.mode}); decisions in {beside.name}"
+    )
+
+
+def _review(
+    take: Take, wanted: tuple[str, ...], method: str
+) -> tuple[Review, list[dict[str, Any]]]:
+    """Accept everything of the kinds wanted; gaps at the ends and the like stay, with reasons."""
+    stays = [] if "gap" not in wanted else _staying(take)
+    found: list[Finding] = []
+    if set(wanted) - {"gap"}:
+        found = [f for f in detection.detect(take, kinds=wanted) if f.kind != "gap"]
+    if "gap" in wanted:
+        found += [
+            f for f in detection.gaps(take) if f.span.start > 0 and f.span.stop < take.n_frames
+        ]
+    return accepted_all(found, method), stays
+
+
+def _staying(take: Take) -> list[dict[str, Any]]:
+    """List the gaps that are not filled, with the reason."""
+    why = {
+        "unlabelled": "an unlabelled trajectory is not filled",
+        "model": "a model computed it; run the model again on the repaired markers",
+    }
+    listed = []
+    for m, label in enumerate(take.labels):
+        for span, inner in take.gaps(m):
+            if len(span) == take.n_frames:
+                reason = why.get(take.roles[m], "the marker is never seen")
+            elif take.roles[m] != "measured":
+                reason = why[take.roles[m]]
+            elif not inner:
+                end = "beginning" if span.start == 0 else "end"
+                reason = f"a gap at the {end} of the take is not filled"
+            else:
+                continue
+            listed.append(
+                {
+                    "marker": label,
+                    "start": span.start,
+                    "stop": span.stop,
+                    "kind": "gap",
+                    "reason": reason,
+                }
+            )
+    return listed
+
+
+def _report(
+    path: Path,
+    options: argparse.Namespace,
+    take: Take,
+    mended: Mended,
+    written: Written,
+    stays: list[dict[str, Any]],
+) -> None:
+    record = {
+        "version": 1,
+        "take": options.take.name,
+        "out": str(options.out),
+        "rate": take.rate,
+        "n_frames": take.n_frames,
+        "repaired": [
+            {
+                "marker": done.marker,
+                "start": done.span.start,
+                "stop": done.span.stop,
+                "method": done.method,
+                "parameters": dict(done.parameters),
+                "expected_mm": done.expected_mm,
+                "note": done.note,
+            }
+            for done in mended.repairs
+        ],
+        "stays": stays,
+        "written": written.to_json(),
+        "warnings": list(take.warnings),
+    }
+    try:
+        path.write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise CannotWrite(f"The report {path} cannot be written: {error.strerror}.") from None

@@ -1,0 +1,62 @@
+"""``markermend review PATH…``: the application in the browser."""
+
+import argparse
+from pathlib import Path
+
+from markermend.errors import BadInput, MarkerMendError
+from markermend_app.cli.common import lacking
+
+NEEDS_APP = "The application needs more packages: install them with pip install 'markermend[app]'."
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("paths", metavar="PATH", nargs="+", type=Path, help="takes to review")
+    lacking(parser)
+    serving(parser)
+
+
+def serving(parser: argparse.ArgumentParser) -> None:
+    """Add where to serve and where to keep reviews."""
+    parser.add_argument("--port", type=int, help="port on the loopback (default: any free one)")
+    parser.add_argument("--no-browser", action="store_true", help="print the address only")
+    parser.add_argument(
+        "--store",
+        metavar="PATH",
+        help="where reviews are kept (default: MARKERMEND_STORE, else your data folder)",
+    )
+
+
+def run(options: argparse.Namespace) -> None:
+    """Serve on the loopback until interrupted."""
+    for path in options.paths:
+        if not path.is_file():
+            raise BadInput(f"There is no file {path}; give the path of a recording.")
+    serve(options, tuple(path.absolute() for path in options.paths))
+
+
+def serve(options: argparse.Namespace, paths: tuple[Path, ...]) -> None:
+    """Open the store and serve these takes.
+
+    Raises
+    ------
+    MarkerMendError
+        If the packages of the application are not installed.
+    """
+    try:
+        from markermend_app import shell
+    except ModuleNotFoundError as missing:
+        if (missing.name or "").startswith("markermend"):
+            raise
+        raise MarkerMendError(NEEDS_APP) from None
+    from markermend.review.store import Store
+    from markermend_app.state.workspace import Workspace
+
+    store = Store(options.store)
+    workspace = Workspace(store, paths, units=options.units, rate=options.rate)
+    shell.serve(
+        workspace,
+        port=options.port,
+        show=not options.no_browser,
+        ready=lambda address: print(f"MarkerMend at {address} (Ctrl+C stops it)", flush=True),
+    )

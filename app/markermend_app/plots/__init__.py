@@ -1,0 +1,1 @@
+"""Pictures of values: nothing here computes, remembers or asks."""

@@ -1,0 +1,269 @@
+"""The lanes: one Bokeh figure per axis and one for the evidence, on one time axis.
+
+Figures are built once and their sources updated in place, since removed figures are never freed in
+the browser.
+"""
+
+from typing import Any
+
+import numpy as np
+from bokeh.models import (
+    ColumnDataSource,
+    CrosshairTool,
+    CustomJSTickFormatter,
+    Label,
+    PanTool,
+    Range1d,
+    Span,
+    WheelZoomTool,
+)
+from bokeh.plotting import figure
+
+from markermend_app.state.values import LaneValues
+from markermend_app.style.tokens import TOKENS
+
+GUTTER = 68
+FONT = "Roboto, system-ui, 'Liberation Sans', sans-serif"
+
+
+class Lanes:
+    """X, Y, Z and the evidence of one marker.
+
+    Attributes
+    ----------
+    figures
+        The Bokeh figures from top to bottom.
+    cursor
+        The playheads, one per figure; ``location`` in seconds.
+    x_range
+        The shared time axis, in seconds.
+    """
+
+    def __init__(self, n_dims: int) -> None:
+        self.x_range = Range1d(0, 1)
+        self.sources = {
+            name: ColumnDataSource(data={"t": [], **{axis: [] for axis in "xyz"}})
+            for name in ("raw", "inside", "chosen")
+        }
+        self.others = ColumnDataSource(data={"t": [], "x": [], "y": [], "z": []})
+        self.band = ColumnDataSource(data={"t": [], **{f"{a}{e}": [] for a in "xyz" for e in "01"}})
+        self.marks = ColumnDataSource(
+            data={name: [] for name in ("id", "left", "right", "fill", "alpha", "line", "dash")}
+        )
+        self.signal = ColumnDataSource(data={"t": [], "v": [], "over": [], "level": []})
+        self.axes = [self._axis_lane(axis) for axis in "xyz"[:n_dims]]
+        self.evidence = self._evidence_lane()
+        self.figures = [*self.axes, self.evidence]
+        self.cursor = [_cursor(f) for f in self.figures]
+        self.evidence.xaxis.visible = True
+        self.theme = "light"
+
+    def _axis_lane(self, axis: str) -> Any:
+        fig = _lane(self.x_range)
+        fig.name = f"lane-{axis}"
+        fig.vstrip(
+            x0="left",
+            x1="right",
+            source=self.marks,
+            fill_color="fill",
+            fill_alpha="alpha",
+            line_color="line",
+            line_dash="dash",
+            name="spans",
+        )
+        fig.varea(
+            x="t", y1=f"{axis}0", y2=f"{axis}1", source=self.band, name="band", fill_alpha=1.0
+        )
+        fig.multi_line(
+            xs="t", ys=axis, source=self.others, line_dash=[5, 4], line_width=1.1, name="others"
+        )
+        fig.line(x="t", y=axis, source=self.sources["raw"], line_width=1.5, name="raw")
+        fig.line(x="t", y=axis, source=self.sources["inside"], line_width=1.5, name="inside")
+        fig.scatter(x="t", y=axis, source=self.sources["inside"], size=3, name="dots")
+        fig.line(x="t", y=axis, source=self.sources["chosen"], line_width=2.5, name="chosen")
+        fig.yaxis.axis_label = f"{axis.upper()}  mm"
+        return fig
+
+    def _evidence_lane(self) -> Any:
+        fig = _lane(self.x_range)
+        fig.name = "lane-evidence"
+        fig.vstrip(
+            x0="left",
+            x1="right",
+            source=self.marks,
+            fill_color="fill",
+            fill_alpha="alpha",
+            line_color="line",
+            line_dash="dash",
+            name="spans",
+        )
+        fig.varea(x="t", y1="level", y2="over", source=self.signal, name="over", fill_alpha=0.45)
+        fig.line(x="t", y="v", source=self.signal, line_width=1.3, name="signal")
+        self.threshold = Span(location=0, dimension="width", line_dash=[4, 3], line_width=1)
+        self.levels = Label(
+            x=8,
+            y=0,
+            x_units="screen",
+            y_units="data",
+            text="",
+            text_font_size="11px",
+            text_font=FONT,
+            y_offset=2,
+        )
+        fig.add_layout(self.threshold)
+        fig.add_layout(self.levels)
+        return fig
+
+    def show(self, values: LaneValues, theme: str) -> None:
+        """Show other values, in place."""
+        tokens = TOKENS[theme]
+        self.theme = theme
+        for name, curve in (
+            ("raw", values.raw),
+            ("inside", values.inside),
+            ("chosen", values.chosen),
+        ):
+            self.sources[name].data = {"t": curve.time, **_columns(curve.values)}
+        self.others.data = {
+            "t": [curve.time for curve in values.others],
+            **{axis: [_columns(curve.values)[axis] for curve in values.others] for axis in "xyz"},
+        }
+        chosen = _columns(values.chosen.values)
+        half = np.zeros(0) if values.band is None else values.band
+        n = len(half)
+        self.band.data = {
+            "t": values.chosen.time[:n],
+            **{f"{a}0": chosen[a][:n] - half for a in "xyz"},
+            **{f"{a}1": chosen[a][:n] + half for a in "xyz"},
+        }
+        self.marks.data = {
+            "id": [mark.id for mark in values.marks],
+            "left": [mark.start_s for mark in values.marks],
+            "right": [mark.stop_s for mark in values.marks],
+            "fill": [tokens[mark.kind] for mark in values.marks],
+            "alpha": [
+                0.0 if mark.settled else (0.14 if mark.selected else 0.10) for mark in values.marks
+            ],
+            "line": [tokens[mark.kind] for mark in values.marks],
+            "dash": ["dashed" if mark.kind == "gap" else "solid" for mark in values.marks],
+        }
+        for fig, (low, high) in zip(self.axes, values.y_ranges, strict=False):
+            fig.y_range.update(start=low, end=high)
+        for fig, axis in zip(self.axes, "XYZ", strict=False):
+            fig.yaxis.axis_label = f"{axis}  {values.unit}"
+        self._show_evidence(values)
+        self.restyle(theme, None if values.kind is None else tokens[values.kind])
+
+    def _show_evidence(self, values: LaneValues) -> None:
+        shown = values.evidence
+        if shown is None:
+            self.signal.data = {"t": [], "v": [], "over": [], "level": []}
+            self.evidence.yaxis.axis_label = ""
+            self.levels.text = ""
+            self.threshold.visible = False
+            return
+        level = np.full(len(shown.signal), shown.threshold)
+        over = np.maximum(shown.signal, shown.threshold)
+        if not np.isfinite(shown.threshold):
+            level = over = np.full(len(shown.signal), np.nan)
+        self.signal.data = {"t": shown.time, "v": shown.signal, "over": over, "level": level}
+        known = shown.signal[np.isfinite(shown.signal)]
+        top = max([1e-6, *known[:], *([shown.threshold] if np.isfinite(shown.threshold) else [])])
+        bottom = min([0.0, *known[:]])
+        self.evidence.y_range.update(start=bottom, end=top * 1.15)
+        self.evidence.yaxis.axis_label = shown.unit
+        self.threshold.visible = bool(np.isfinite(shown.threshold))
+        if self.threshold.visible:
+            self.threshold.location = shown.threshold
+            self.levels.y = shown.threshold
+            self.levels.text = (
+                f"threshold {shown.threshold:.2g} {shown.unit}, usual {shown.usual:.2g}"
+            )
+        else:
+            self.levels.text = ""
+
+    def restyle(self, theme: str, kind_colour: str | None) -> None:
+        """Take the colours of a theme."""
+        tokens = TOKENS[theme]
+        kind = kind_colour or tokens["ink"]
+        lines = {
+            "raw": tokens["ink"],
+            "inside": kind,
+            "chosen": tokens["accent"],
+            "others": tokens["ink3"],
+            "signal": tokens["ink"],
+        }
+        for fig in self.figures:
+            paint(fig, tokens)
+            for name, colour in lines.items():
+                for renderer in fig.select(name=name):
+                    renderer.glyph.line_color = colour
+            for renderer in fig.select(name="band"):
+                renderer.glyph.fill_color = tokens["band"]
+            for renderer in fig.select(name="over"):
+                renderer.glyph.fill_color = kind
+            for renderer in fig.select(name="dots"):
+                renderer.glyph.update(fill_color=kind, line_color=kind)
+        for span in self.cursor:
+            span.line_color = tokens["ink"]
+        self.threshold.line_color = tokens["ink2"]
+        self.levels.text_color = tokens["ink2"]
+
+
+def _columns(values: np.ndarray) -> dict[str, np.ndarray]:
+    missing = np.zeros(len(values))
+    return {axis: values[:, d] if d < values.shape[1] else missing for d, axis in enumerate("xyz")}
+
+
+def _lane(x_range: Range1d) -> Any:
+    pan, wheel = PanTool(dimensions="width"), WheelZoomTool(dimensions="width")
+    fig = figure(
+        x_range=x_range,
+        y_range=Range1d(0, 1),
+        tools=[pan, wheel],
+        toolbar_location=None,
+        min_border_left=GUTTER,
+        min_border_right=12,
+        min_border_top=3,
+        min_border_bottom=3,
+        sizing_mode="stretch_both",
+        output_backend="canvas",
+    )
+    fig.toolbar.active_drag, fig.toolbar.active_scroll = pan, wheel
+    fig.xaxis.visible = False
+    fig.yaxis.ticker.desired_num_ticks = 4
+    fig.xaxis.formatter = CustomJSTickFormatter(
+        code="return Number(tick.toFixed(3)).toString() + ' s'"
+    )
+    fig.add_tools(CrosshairTool(dimensions="height", line_alpha=0.25))
+    return fig
+
+
+def _cursor(fig: Any) -> Span:
+    span = Span(location=0, dimension="height", line_width=1.4, name="playhead")
+    fig.add_layout(span)
+    return span
+
+
+def paint(fig: Any, tokens: dict[str, str]) -> None:
+    """Give a figure the colours and fonts of a theme."""
+    fig.update(
+        background_fill_color=tokens["panel"],
+        border_fill_color=tokens["panel"],
+        outline_line_color=tokens["line"],
+    )
+    for axis in (*fig.xaxis, *fig.yaxis):
+        axis.update(
+            axis_line_color=None,
+            major_tick_line_color=None,
+            minor_tick_line_color=None,
+            major_label_text_color=tokens["ink2"],
+            major_label_text_font=FONT,
+            major_label_text_font_size="11px",
+            axis_label_text_color=tokens["ink2"],
+            axis_label_text_font=FONT,
+            axis_label_text_font_style="normal",
+            axis_label_text_font_size="11px",
+        )
+    for grid in (*fig.xgrid, *fig.ygrid):
+        grid.grid_line_color = tokens["line"]

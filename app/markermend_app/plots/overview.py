@@ -1,0 +1,128 @@
+"""All markers over time in one picture; a tap jumps."""
+
+from typing import Any
+
+import numpy as np
+from bokeh.models import (
+    BoxAnnotation,
+    ColumnDataSource,
+    CustomJSTickFormatter,
+    FixedTicker,
+    LinearColorMapper,
+    Range1d,
+    Span,
+    TapTool,
+)
+from bokeh.plotting import figure
+
+from markermend_app.plots.lanes import GUTTER, paint
+from markermend_app.state.values import OverviewValues
+from markermend_app.style.tokens import TOKENS
+
+
+class Overview:
+    """Marker × time: shaded by speed, spans by kind, the lanes' window, the playhead.
+
+    Attributes
+    ----------
+    figure
+        The Bokeh figure; its taps are for the view to hear.
+    """
+
+    def __init__(self) -> None:
+        self.image = ColumnDataSource(data={"image": [np.zeros((1, 1))], "dw": [1.0], "dh": [1.0]})
+        self.marks = ColumnDataSource(
+            data={name: [] for name in ("id", "left", "right", "bottom", "top", "fill", "line")}
+        )
+        self.ring = ColumnDataSource(data={name: [] for name in ("left", "right", "bottom", "top")})
+        fig = figure(
+            x_range=Range1d(0, 1),
+            y_range=Range1d(0, 1),
+            tools=[TapTool()],
+            toolbar_location=None,
+            min_border_left=GUTTER,
+            min_border_right=12,
+            min_border_top=28,
+            min_border_bottom=4,
+            sizing_mode="stretch_both",
+            name="overview",
+        )
+        self.mapper = LinearColorMapper(palette=["#FFFFFF"], low=0, high=1)
+        shades = fig.image(
+            image="image", x=0, y=0, dw="dw", dh="dh", source=self.image, color_mapper=self.mapper
+        )
+        quads = fig.quad(
+            left="left",
+            right="right",
+            bottom="bottom",
+            top="top",
+            fill_color="fill",
+            line_color="line",
+            source=self.marks,
+            name="spans",
+        )
+        self.selected = fig.quad(
+            left="left",
+            right="right",
+            bottom="bottom",
+            top="top",
+            fill_alpha=0,
+            line_width=2,
+            source=self.ring,
+        )
+        for renderer in (shades, quads, self.selected):
+            renderer.nonselection_glyph = renderer.selection_glyph = None
+        self.window = BoxAnnotation(left=0, right=1, fill_alpha=0.08, line_width=1.6)
+        self.playhead = Span(location=0, dimension="height", line_width=1.2, name="playhead")
+        fig.add_layout(self.window)
+        fig.add_layout(self.playhead)
+        fig.ygrid.visible = False
+        fig.xaxis.formatter = CustomJSTickFormatter(code="return tick + ' s'")
+        self.figure: Any = fig
+
+    def show(self, values: OverviewValues, theme: str) -> None:
+        """Show another take, other findings or another theme, in place."""
+        tokens = TOKENS[theme]
+        n_rows = max(1, len(values.shade))
+        fig = self.figure
+        fig.x_range.update(start=0, end=max(values.duration_s, 1e-3))
+        fig.y_range.update(start=0, end=n_rows)
+        self.image.data = {"image": [values.shade], "dw": [values.duration_s], "dh": [n_rows]}
+        known = values.shade[np.isfinite(values.shade)]
+        self.mapper.update(
+            palette=_ramp(tokens["panel"], tokens["line2"], 64),
+            high=float(np.quantile(known, 0.98)) if known.size else 1.0,
+            nan_color=tokens["sunk"],
+        )
+        fig.yaxis.ticker = FixedTicker(ticks=[row for row, _ in values.groups])
+        fig.yaxis.major_label_overrides = dict(values.groups)
+        self._show_marks(values, tokens)
+        paint(fig, tokens)
+        self.window.update(fill_color=tokens["accent"], line_color=tokens["accent"])
+        self.playhead.line_color = tokens["ink"]
+        self.selected.glyph.line_color = tokens["ink"]
+
+    def _show_marks(self, values: OverviewValues, tokens: dict[str, str]) -> None:
+        least = values.duration_s / 220  # about four pixels
+        columns: dict[str, list[Any]] = {name: [] for name in self.marks.data}
+        ring: dict[str, list[float]] = {name: [] for name in self.ring.data}
+        for label, mark in values.marks:
+            more = max(0.0, least - (mark.stop_s - mark.start_s)) / 2
+            row = values.rows[label]
+            box = (mark.start_s - more, mark.stop_s + more, row + 0.02, row + 0.98)
+            fill = "rgba(0,0,0,0)" if mark.settled else tokens[mark.kind]
+            entry = (mark.id, *box, fill, tokens[mark.kind])
+            for name, value in zip(columns, entry, strict=True):
+                columns[name].append(value)
+            if mark.selected:
+                grown = (box[0] - least / 2, box[1] + least / 2, row - 0.9, row + 1.9)
+                for name, value in zip(ring, grown, strict=True):
+                    ring[name].append(value)
+        self.marks.data, self.ring.data = columns, ring
+
+
+def _ramp(first: str, last: str, n: int) -> list[str]:
+    """Give `n` colours between two, as hex."""
+    a, b = (np.array([int(c[i : i + 2], 16) for i in (1, 3, 5)]) for c in (first, last))
+    shades = (a + (b - a) * share for share in np.linspace(0, 1, n))
+    return ["#{:02X}{:02X}{:02X}".format(*np.round(shade).astype(int)) for shade in shades]

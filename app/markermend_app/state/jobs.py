@@ -1,0 +1,77 @@
+"""Long work off the page's thread, and its results back on it, unless they come too late."""
+
+import logging
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
+
+from markermend.errors import MarkerMendError
+
+T = TypeVar("T")
+Schedule = Callable[[Callable[[], None]], None]
+
+LOG = logging.getLogger(__name__)
+
+
+class Jobs:
+    """Runs work in a thread; every result is tagged, and a stale one is dropped.
+
+    Parameters
+    ----------
+    schedule
+        Calls a function on the page's own thread; in tests, at once.
+    failed
+        Called on the page's thread with one sentence when work fails.
+    """
+
+    def __init__(self, schedule: Schedule, failed: Callable[[str], None]) -> None:
+        self._schedule, self._failed = schedule, failed
+        self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix="markermend")
+        self._current: dict[str, object] = {}
+
+    def run(self, topic: str, work: Callable[["Ticket"], T], done: Callable[[T], None]) -> None:
+        """Do `work` for a topic; work for the same topic that is under way becomes stale."""
+        ticket = Ticket(self, topic)
+        self._current[topic] = ticket
+        self._pool.submit(self._do, ticket, work, done)
+
+    def _do(
+        self, ticket: "Ticket", work: Callable[["Ticket"], T], done: Callable[[T], None]
+    ) -> None:
+        if not ticket.valid:
+            return
+        try:
+            result = work(ticket)
+        except MarkerMendError as refusal:
+            sentence = str(refusal)
+            ticket.tell(lambda: self._failed(sentence))
+        except Exception:  # noqa: BLE001  a fault of ours must reach the operator as well as the log
+            LOG.exception("%s failed", ticket.topic)
+            ticket.tell(lambda: self._failed("That failed inside MarkerMend; the log says why."))
+        else:
+            ticket.tell(lambda: done(result))
+
+    def cancel(self, topic: str) -> None:
+        """Make work under way for a topic stale."""
+        self._current.pop(topic, None)
+
+    def close(self) -> None:
+        """Make everything stale and take no more work."""
+        self._current.clear()
+        self._pool.shutdown(wait=False, cancel_futures=True)
+
+
+class Ticket:
+    """The right to report for a topic, until newer work takes it over."""
+
+    def __init__(self, jobs: Jobs, topic: str) -> None:
+        self._jobs, self.topic = jobs, topic
+
+    @property
+    def valid(self) -> bool:
+        """Whether nobody has asked for newer work on this topic."""
+        return self._jobs._current.get(self.topic) is self  # noqa: SLF001  one small machine
+
+    def tell(self, report: Callable[[], None]) -> None:
+        """Report on the page's thread, if still valid by then."""
+        self._jobs._schedule(lambda: report() if self.valid else None)  # noqa: SLF001

@@ -1,0 +1,1 @@
+"""How things look: one table of kinds, one of colours, one stylesheet."""

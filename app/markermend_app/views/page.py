@@ -1,0 +1,61 @@
+"""The page: every part in its place, all fed from one desk."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import panel as pn
+
+from markermend_app.keys import ACTION_OF_KEY, SHORTCUTS
+from markermend_app.state.desk import Desk
+from markermend_app.state.intents import perform
+from markermend_app.style.sheet import PAGE_STYLESHEET
+from markermend_app.views import dialogs, header, queue, repairs, title, transport
+from markermend_app.views.document import Document
+from markermend_app.views.keyboard import KeyListener
+from markermend_app.views.lanes import LanesView, OverviewView, cursor_script
+from markermend_app.views.part import Part
+from markermend_app.views.stage import Stage
+
+TEMPLATE = Path(__file__).with_name("page.html")
+
+
+def build(desk: Desk) -> pn.Template:
+    """Give the page of one desk."""
+
+    def intent(name: str, arg: Any, fields: Mapping[str, Any]) -> None:
+        perform(desk, name, arg, fields)
+
+    lanes, overview, stage = LanesView(desk), OverviewView(desk), Stage(desk)
+    keyboard = KeyListener(
+        keys=list(ACTION_OF_KEY), repeating=[k for s in SHORTCUTS if s.repeats for k in s.keys]
+    )
+    keyboard.on_key(lambda key: perform(desk, ACTION_OF_KEY[key]))
+    page = pn.Template(TEMPLATE.read_text(encoding="utf-8"))
+    page.add_variable("css", PAGE_STYLESHEET)
+    parts = {
+        "header": (header.render, header.SHOWS),
+        "message": (header.message, ("message",)),
+        "queue_head": (queue.head, queue.HEAD_SHOWS),
+        "title": (title.render, title.SHOWS),
+        "legend": (title.legend, title.LEGEND_SHOWS),
+        "overview_head": (title.overview_head, ()),
+        "views": (transport.views, transport.VIEW_SHOWS),
+        "transport": (transport.render, transport.SHOWS),
+        "repairs": (repairs.render, repairs.SHOWS),
+        "because": (repairs.because, repairs.SHOWS),
+        "verdict": (repairs.verdict, repairs.VERDICT_SHOWS),
+        "dialog": (dialogs.render, dialogs.SHOWS),
+    }
+    for name, (render, shows) in parts.items():
+        page.add_panel(
+            name, Part(render, desk, shows, intent, sizing_mode="stretch_width", margin=0)
+        )
+    page.add_panel("queue", queue.Queue(desk, intent, sizing_mode="stretch_both", margin=0))
+    page.add_panel("lanes", lanes.panel)
+    page.add_panel("overview", overview.panel)
+    page.add_panel("scene", stage.panel)
+    page.add_panel("document", Document(desk, intent))
+    page.add_panel("keyboard", keyboard)
+    pn.state.curdoc.js_on_event("document_ready", cursor_script(lanes, overview))
+    return page

@@ -1,0 +1,83 @@
+"""The title of the finding at hand, and the legend of the lanes."""
+
+from html import escape
+
+from markermend.review.explain import why
+from markermend_app.state.desk import Desk
+from markermend_app.style.kinds import KIND_STYLES, glyph
+from markermend_app.views.markup import button, number
+
+SHOWS = ("opened", "review", "selected", "findings")
+LEGEND_SHOWS = ("opened", "previews", "chosen", "raw_only", "zoom", "selected")
+
+
+def render(desk: Desk) -> str:
+    """Give the title: what it is, where, how large, and why."""
+    if desk.current is None or desk.opened is None:
+        return '<div class="title"><div class="what"><h1>&nbsp;</h1></div></div>'
+    finding = desk.judged(desk.current).as_judged
+    take, span = desk.opened.take, finding.span
+    facts = [
+        f"{span.start / take.rate:.2f}–{span.stop / take.rate:.2f} s",
+        f"{len(span)} frames" if len(span) > 1 else "1 frame",
+    ]
+    if finding.amplitude is not None:
+        facts.append(f"{number(finding.amplitude)} {take.units}")
+        facts.append(", ".join(finding.axes))
+    facts.append(f'<span class="small-out">score {finding.score:.2f}</span>')
+    classes = "".join(
+        button(
+            f"kind_{kind}",
+            glyph(kind) + (f"<span>{style.title}</span>" if kind == finding.kind else ""),
+            classes="",
+            pressed=kind == finding.kind,
+            title=f"It is {style.title.lower()}",
+        )
+        for kind, style in KIND_STYLES.items()
+    )
+    sentence = escape(why(take, desk.opened.mesh, finding))
+    return (
+        f'<div class="title"><div class="what"><h1>{glyph(finding.kind, 20)}'
+        f"{escape(finding.marker)} <span>{finding.kind}</span></h1>"
+        f'<span class="facts num">{" · ".join(facts)}</span></div>'
+        f'<div class="choice" role="group" aria-label="Kind">{classes}</div>'
+        f'<p class="why" title="{sentence}">{sentence}</p></div>'
+    )
+
+
+def legend(desk: Desk) -> str:
+    """Give the legend of the lanes and their switches."""
+    if desk.current is None:
+        return '<div class="legend"></div>'
+    kind = desk.judged(desk.current).kind
+    chosen = next((p.title for p in desk.previews if p.name == desk.chosen), "")
+
+    def stroke(style: str) -> str:
+        return (
+            '<svg width="26" height="8" viewBox="0 0 26 8" aria-hidden="true">'
+            f'<path d="M1 4h24" {style}/></svg>'
+        )
+
+    raw = stroke(f'stroke="var(--{kind})" stroke-width="2"')
+    line = stroke('stroke="var(--accent)" stroke-width="2.5"')
+    dashed = stroke('stroke="var(--ink3)" stroke-width="1.1" stroke-dasharray="5 4"')
+    others = f'<span class="small-out">{dashed}Other repairs</span>'
+    return (
+        f'<div class="legend"><span>{raw}Recorded</span>'
+        f"<span>{line}<b>{escape(chosen)}</b></span>{others}"
+        f'<span class="push">'
+        f"{button('raw_only', 'Raw only', pressed=desk.raw_only, classes='tool' + (' on' if desk.raw_only else ''))}"
+        f"{button('zoom', f'Zoom: {escape(desk.zoom)}')}</span></div>"
+    )
+
+
+def overview_head(desk: Desk) -> str:
+    """Give the legend of the overview."""
+    del desk
+    kinds = "".join(f"<span>{glyph(k)}{s.title}</span>" for k, s in KIND_STYLES.items())
+    return (
+        '<div class="overview-head"><b>All markers</b><span class="small-out">shade: speed</span>'
+        f'<span class="push"></span>{kinds}<span>'
+        '<svg width="14" height="9" viewBox="0 0 14 9" aria-hidden="true"><rect x="1" y="1" width="12" '
+        'height="7" fill="none" stroke="currentColor"/></svg>Settled</span></div>'
+    )
