@@ -65,7 +65,7 @@ class Decisions:
     findings
         All judgements.
     written, program
-        When the file was written, and by which version.
+        When the file was written, as far as known, and by which version.
     """
 
     name: str
@@ -74,7 +74,7 @@ class Decisions:
     rate: float
     units: str
     findings: tuple[Decided, ...]
-    written: datetime
+    written: datetime | None
     program: str = __version__
 
     @property
@@ -105,7 +105,7 @@ class Decisions:
             "schema": SCHEMA,
             "version": VERSION,
             "program": self.program,
-            "written": self.written.isoformat(),
+            "written": None if self.written is None else self.written.isoformat(),
             "take": {
                 "name": self.name,
                 "sha256": self.sha256,
@@ -266,7 +266,7 @@ def parse_decisions(content: bytes, name: str = "The file") -> Decisions:
         rate=take.number("rate", 1e-9, 1e9),
         units=take.text("units"),
         findings=tuple(_decided(f, f"Finding {i}") for i, f in enumerate(findings)),
-        written=_moment(record, "written") or datetime.fromtimestamp(0, UTC),
+        written=_moment(record, "written"),
         program=record.text("program", ""),
     )
     _consistent(decisions)

@@ -52,8 +52,12 @@ def judgement_from_json(given: Any, where: str) -> Judgement:
         finding = _finding(record)
         edges = said.value("span", None)
         parameters = said.value("parameters", {})
-        if not isinstance(parameters, dict) or len(parameters) > MAX_PARAMETERS:
-            raise said.wrong("parameters", "an object of values by name", parameters)
+        if (
+            not isinstance(parameters, dict)
+            or len(parameters) > MAX_PARAMETERS
+            or not all(isinstance(v, str | bool | int | float) for v in parameters.values())
+        ):
+            raise said.wrong("parameters", "an object of texts and numbers by name", parameters)
         decision = Decision(
             verdict=said.one_of("verdict", (*VERDICTS, None), None),
             kind=said.one_of("kind", (*KINDS, None), None),
@@ -68,7 +72,7 @@ def judgement_from_json(given: Any, where: str) -> Judgement:
         raise BadDecisions(f"{where} is not valid: {error}") from None
     if record.text("id", finding.id) != finding.id:
         raise BadDecisions(
-            f"{where} has the id {record.value('id')!r}, but its marker, kind and span make "
+            f"{where} has the id {_short(record.value('id'))}, but its marker, kind and span make "
             f"{finding.id}; put changed edges or kinds under its decision."
         )
     return Judgement(
