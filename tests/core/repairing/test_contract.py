@@ -16,6 +16,8 @@ NAMES = REPAIRS.names()
 # Laws that a method does not promise, each with the reason.
 NO_ROTATION = {
     "pchip": "monotone along each axis",
+    **dict.fromkeys(("li", "lpr", "glr", "lgrnn", "pma"), "smooths by the median of each axis"),
+    **dict.fromkeys(("wpca", "pca_r1"), "scales each axis to unit variance"),
 }
 NO_SHIFT: dict[str, str] = {}
 NO_REVERSAL = {

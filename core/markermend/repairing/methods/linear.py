@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from markermend.errors import CannotRepair
 from markermend.model import FloatArray
 from markermend.registry import method
 from markermend.repairing.problem import Problem
+from markermend.repairing.window import both_sides
 
 
 @method(title="Linear", kinds=("gap", "peak"), source="numpy.interp")
@@ -21,14 +21,6 @@ def linear(problem: Problem) -> FloatArray:
     CannotRepair
         If the marker is not seen on both sides of the span.
     """
-    seen = np.flatnonzero(problem.seen[:, problem.marker])
-    span = problem.span
-    if not (len(seen) and seen[0] < span.start and seen[-1] >= span.stop):
-        raise CannotRepair(
-            f"{problem.labels[problem.marker]} is not seen on both sides of the span; "
-            "choose a method that uses its neighbours."
-        )
-    frames = np.arange(span.start, span.stop)
-    return np.column_stack(
-        [np.interp(frames, seen, problem.own[seen, d]) for d in range(problem.n_dims)]
-    )
+    edges = both_sides(problem, 1)
+    frames = np.arange(problem.span.start, problem.span.stop)
+    return np.column_stack([np.interp(frames, edges, axis) for axis in problem.own[edges].T])

@@ -1,0 +1,49 @@
+"""Global linear regression."""
+
+from typing import Annotated
+
+from markermend.model import FloatArray
+from markermend.params import Within
+from markermend.registry import method
+from markermend.repairing.problem import Problem
+from markermend.repairing.recovery import Recovery, recover, regress_globally
+from markermend.repairing.window import window
+
+
+@method(
+    title="Global linear regression (GLR)",
+    kinds=("gap", "noise", "step", "slow"),
+    source="M. Tits, J. Tilmanne, T. Dutoit, PLoS ONE 13(7):e0199744, 2018",
+)
+def glr(
+    problem: Problem,
+    *,
+    smoothing: Annotated[float, Within(0, 0.5, "s")] = 0.07,
+    quantile: Annotated[float, Within(0, 0.2)] = 0.01,
+    loosest: Annotated[float, Within(1, 1000, "mm")] = 1000.0,
+) -> FloatArray:
+    """Predict the marker linearly from all markers that keep their distance to it.
+
+    Parameters
+    ----------
+    smoothing
+        Duration that the neighbours and the result are smoothed over.
+    quantile
+        Distances to the three neighbours beyond this quantile, on either side, are pulled back.
+    loosest
+        Largest standard deviation of the distance with which a marker takes part; all do where
+        none comes below it.
+
+    Returns
+    -------
+    (len(span), n_dims) mm.
+
+    Raises
+    ------
+    CannotRepair
+        If fewer than three neighbours are seen throughout, stand in one line, or are hardly ever
+        seen together with the marker.
+    """
+    return recover(
+        window(problem), [regress_globally], Recovery(smoothing, quantile, loosest=loosest)
+    )
