@@ -1,0 +1,103 @@
+"""Every schema that was ever released opens, and keeps what was decided under it."""
+
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from alembic.autogenerate import compare_metadata
+from alembic.config import Config
+from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
+
+from markermend.model import Span
+from markermend.review import database
+from markermend.review.schema import REVISIONS, VERSION_TABLE, metadata
+from markermend.review.session import ReviewSession
+from markermend.review.store import Store
+
+ASSETS = Path(__file__).with_name("assets")
+
+
+def test_the_list_of_schemas_is_that_of_the_migrations() -> None:
+    config = Config()
+    folder = Path(database.__file__).with_name("migrations")
+    config.set_main_option("script_location", str(folder))
+    config.set_main_option("path_separator", "os")
+    steps = ScriptDirectory.from_config(config).walk_revisions()
+    assert tuple(step.revision for step in steps) == tuple(reversed(REVISIONS))
+
+
+def test_migrations_make_the_tables_that_the_code_uses(store: Store) -> None:
+    with store._engine.connect() as connection:
+        context = MigrationContext.configure(
+            connection, opts={"version_table": VERSION_TABLE, "compare_type": True}
+        )
+        assert compare_metadata(context, metadata) == []
+
+
+def test_a_failing_migration_leaves_nothing_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    where = tmp_path / "reviews.sqlite"
+    with monkeypatch.context() as patch:
+        # An index of that name makes the second table of the migration impossible.
+        patch.setattr("alembic.op.create_table", _fail_at("journal"))
+        with pytest.raises(RuntimeError, match="power cut"):
+            Store(where)
+    with closing(sqlite3.connect(where)) as raw:
+        assert raw.execute("SELECT name FROM sqlite_master").fetchall() == []
+    Store(where).close()
+
+
+@pytest.mark.parametrize("schema", REVISIONS)
+def test_a_store_of_every_schema_opens(tmp_path: Path, schema: str) -> None:
+    where = tmp_path / "reviews.sqlite"
+    with closing(sqlite3.connect(where)) as raw:
+        raw.executescript((ASSETS / f"store-{schema}.sql").read_text(encoding="utf-8"))
+        assert raw.execute(f"SELECT version_num FROM {VERSION_TABLE}").fetchall() == [(schema,)]
+    with Store(where) as store:
+        (take,) = store.takes()
+        assert (take.name, take.n_frames, take.rate) == ("walk.c3d", 200, 100.0)
+        assert (take.given_units, take.given_rate) == ("m", None)
+        (record,) = store.reviews(take.sha256)
+        assert (record.operator, record.purpose, record.status) == ("anna", "review", "open")
+        session = ReviewSession(store, record)
+        assert [step.command.describe() for step in session.history.steps] == [
+            "Accept A gap 40-60 with savgol",
+            "Reject 2 peak findings",
+            "Set aside B step 100-110",
+            "Choose rigid for B step 100-110",
+            "Reclassify B step 100-110 as slow",
+            "Move B step 100-110 to 98-112",
+            "Note on B step 100-110",
+            "Add A noise 150-160",
+            "Split A noise 150-160 at 155",
+            "Merge 2 noise findings",
+            "Reopen A gap 40-60",
+            "Remove A noise 150-160",
+        ]
+        assert session.history.position == 10
+        counts = session.review.counts()
+        assert (counts.accepted, counts.rejected, counts.deferred, counts.open) == (1, 2, 1, 1)
+        (wish,) = session.review.accepted()
+        assert (wish.marker, wish.span, wish.method) == ("A", Span(40, 60), "savgol")
+        assert wish.parameters == {"order": 3, "window": 0.25, "mode": "ends", "robust": True}
+        moved = next(j for j in session.review if j.finding.marker == "B")
+        assert (moved.kind, moved.span, moved.decision.note) == ("slow", Span(98, 112), "elbow ä")
+        assert [finding.span for finding in session.review.live() if finding.kind == "noise"] == [
+            Span(150, 160)
+        ]
+
+
+def _fail_at(table: str):  # type: ignore[no-untyped-def]
+    from alembic import op
+
+    real = op.create_table
+
+    def create_table(name: str, *columns: object) -> None:
+        if name == table:
+            raise RuntimeError("power cut")
+        real(name, *columns)
+
+    return create_table
