@@ -29,7 +29,8 @@ PARENT: dict[str, str] = {
         side + child: (parent if parent in ("pelvis", "thorax") else side + parent)
         for side in SIDES
         for child, parent in (
-            ("upperarm", "thorax"),
+            ("clavicle", "thorax"),
+            ("upperarm", "clavicle"),
             ("forearm", "upperarm"),
             ("hand", "forearm"),
             ("thigh", "pelvis"),
@@ -95,9 +96,13 @@ class Body:
         """Where the thorax turns on the pelvis, in the pelvis frame."""
         return self.scaled(-25.0, 0.0, 135.0)
 
+    def sternoclavicular(self, side: Side) -> FloatArray:
+        """Where the shoulder girdle turns on the thorax, in the thorax frame."""
+        return self.scaled(40.0, 28.0 * SIGN[side], 352.0)
+
     def shoulder(self, side: Side) -> FloatArray:
-        """Shoulder joint centre in the thorax frame."""
-        return self.scaled(10.0, 178.0 * SIGN[side], 350.0)
+        """Shoulder joint centre, in the frame of the shoulder girdle."""
+        return self.scaled(-30.0, 150.0 * SIGN[side], -2.0)
 
     @property
     def neck(self) -> FloatArray:

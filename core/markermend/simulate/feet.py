@@ -1,7 +1,7 @@
 """How a foot moves from foothold to foothold: planted, rolling over heel and ball, swinging.
 
 The pitch of the foot follows published gait: about 20 degrees up at heel strike, flat after a tenth
-of the cycle, the heel rising from 40 % on, 60 degrees down at toe-off (Perry and Burnfield, *Gait
+of the cycle, the heel rising from 40 % on, 55 to 60 degrees down at toe-off (Perry and Burnfield, *Gait
 Analysis*, 2nd ed., 2010, chapter 4). While it stands the foot turns about a point of its sole
 that does not move; so it cannot slide.
 """
@@ -19,9 +19,15 @@ from markermend.simulate.curves import placed, rise, smooth, turned
 from markermend.simulate.script import Foothold, Step
 
 STRIKE_PITCH = np.radians(21.0)
-TOE_OFF_PITCH = np.radians(-62.0)
+TOE_OFF_PITCH = np.radians(-56.0)
 LANDING_S = 0.13
 """From heel strike to the flat foot."""
+SWING_THRUST = 4.0
+"""Acceleration at toe-off, relative to the way of the swing over its squared duration."""
+LANDING_SPEED = 0.12
+"""Speed at heel strike, relative to the mean speed of the swing: the heel stops with a jerk."""
+LANDING_BRAKE = 5.0
+"""Deceleration at heel strike, relative to the way of the swing over its squared duration."""
 CLEARANCE = 16.0
 """What the sole keeps above the floor in the middle of a swing, in mm."""
 
@@ -149,20 +155,20 @@ def _pitch(
     rate = 1.0 / (time[1] - time[0])
     landing = np.clip(1.0 - since / LANDING_S, 0.0, 1.0)
     pitch = STRIKE_PITCH * roll_in * landing**1.6
-    rising_s = 0.12 + 0.16 * roll_out
+    rising_s = np.minimum(0.12 + 0.24 * roll_out, 0.45 * (since + until))
     rising = np.clip(1.0 - until / rising_s, 0.0, 1.0)
     leaving = 0.25 + 0.75 * roll_out
-    pitch += TOE_OFF_PITCH * leaving * rising**2 * (2.2 - 1.2 * rising)
+    pitch += TOE_OFF_PITCH * leaving * rising**2.6 * (1.5 - 0.5 * rising)
     for step, swing in zip(own, swings, strict=True):
         a, b = swing.start - 1, swing.stop
         start = TOE_OFF_PITCH * (0.25 + 0.75 * step.roll)
         end = STRIKE_PITCH * step.roll
         lasts = (b - a) / rate
         # The foot still turns down when it leaves, and already turns down again when it lands.
-        leave_rate, land_rate = start * 1.6, -end * 3.0
+        leave_rate, land_rate = start * 3.5, -end * 1.0
         curve = BPoly.from_derivatives(
-            [0.0, 0.62 * lasts, lasts],
-            [[start, leave_rate], [0.18 * start * (1 - step.roll) + 0.1 * end], [end, land_rate]],
+            [0.0, 0.72 * lasts, lasts],
+            [[start, leave_rate], [0.18 * start * (1 - step.roll)], [end, land_rate]],
         )
         pitch[a : b + 1] = curve(np.arange(b - a + 1) / rate)
     return smooth(pitch, 0.012, rate)
@@ -193,13 +199,16 @@ def _swung(
     leave = (ankle[a] - ankle[a - 1]) * rate
     following = min(b + 1, len(ankle) - 1)
     land = (ankle[following] - ankle[b]) * rate
+    way = step.roll * (ankle[b] - ankle[a]) * (1.0, 1.0, 0.0)
+    thrust = SWING_THRUST * way / lasts**2
+    land += LANDING_SPEED * way / lasts
     curve = BPoly.from_derivatives(
-        [0.0, lasts], [[ankle[a], leave, np.zeros(3)], [ankle[b], land, np.zeros(3)]]
+        [0.0, lasts], [[ankle[a], leave, thrust], [ankle[b], land, -LANDING_BRAKE * way / lasts**2]]
     )
     time = np.arange(1, b - a) / rate
     path: FloatArray = curve(time)
     s = time / lasts
-    hump = (s * (1.0 - s) * 4.0) ** 3
+    hump = (s * (1.0 - s) ** 1.6 / 0.17688) ** 2.5
     path[:, 2] += (55.0 - 30.0 * step.roll) * body.scale * hump
     rotation = turned("z", yaw[swing.frames]) @ turned("y", -pitch[swing.frames])
     lowest = path[:, 2] + np.minimum(

@@ -33,7 +33,7 @@ _MIDDLE: tuple[_Place, ...] = (
 # The same for the left side; the right is its mirror image but for the three that labs stagger so
 # that software can tell left from right.
 _PAIRED: tuple[_Place, ...] = (
-    ("SHO", "thorax", (5, 172, 402)),
+    ("SHO", "clavicle", (-35, 144, 50)),
     ("UPA", "upperarm", (8, 56, -150)),
     ("ELB", "upperarm", (-6, 44, -322)),
     ("ELM", "upperarm", (-6, -42, -320)),
@@ -71,8 +71,7 @@ def _glued(body: Body) -> tuple[Marker, ...]:
         for name, segment, at in _PAIRED:
             mirrored = np.array([1.0, SIGN[side], 1.0]) * at
             offset = body.scaled(*(mirrored + _STAGGER.get(side + name, (0.0, 0.0, 0.0))))
-            carrier = segment if segment == "thorax" else side + segment
-            found.append(Marker(side + name, carrier, offset))
+            found.append(Marker(side + name, side + segment, offset))
     return tuple(found)
 
 

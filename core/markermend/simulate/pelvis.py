@@ -17,6 +17,8 @@ from markermend.simulate.feet import FootMotion
 from markermend.simulate.legs import MOST_STRETCHED, reach
 from markermend.simulate.script import Seat
 
+ALMOST_STRAIGHT = np.radians(5.0)
+"""Flexion below which a knee does not go but for a moment."""
 AHEAD = 28.0
 """A standing person's hips are this far in front of the ankles, in mm."""
 
@@ -94,7 +96,8 @@ def pelvis_path(
     ground = smooth(np.asarray(carried), 0.2, rate)
     middle = smooth(0.5 * (feet["L"].anchor + feet["R"].anchor), 0.3, rate)
     facing = np.column_stack([np.cos(heading), np.sin(heading)])
-    ground = ground + AHEAD * body.scale * facing
+    walking = smooth(np.maximum(feet["L"].roll_in, feet["L"].roll_out), 0.3, rate)
+    ground = ground + (AHEAD * (1.0 + 1.6 * walking**2) * body.scale)[:, None] * facing
     seat = middle - 0.80 * body.thigh * facing
     ground += seated.back[:, None] * (seat - ground)
     hips = {side: ground + placed(rotation, body.hip(side))[:, :2] for side in SIDES}
@@ -119,7 +122,7 @@ def _carried_height(
     for side, weight in (("L", share), ("R", 1.0 - share)):
         foot = feet[side]
         height += weight * (_height(body, foot, hips[side], stance_flexion(foot)) - lift[side])
-    return smooth(height, 0.04, rate)
+    return smooth(height, 0.05, rate)
 
 
 def stance_flexion(foot: FootMotion) -> FloatArray:
@@ -145,9 +148,15 @@ def _highest(
     rate: float,
 ) -> FloatArray:
     """Height that no leg is too short for: a smooth curve below both legs' limits."""
-    straight = np.full(len(lift["L"]), MOST_STRETCHED)
-    limit = np.minimum(
-        *(_height(body, feet[side], hips[side], straight) - lift[side] for side in SIDES)
+    limit, hardest = (
+        np.minimum(
+            *(
+                _height(body, feet[side], hips[side], np.full(len(lift[side]), flexion))
+                - lift[side]
+                for side in SIDES
+            )
+        )
+        for flexion in (ALMOST_STRAIGHT, MOST_STRETCHED)
     )
     eased = smooth(limit, 0.04, rate)
     # Lower the smooth curve, smoothly, wherever it would still stretch a leg.
@@ -156,4 +165,4 @@ def _highest(
         if excess.max() < 1e-3:
             break
         eased = eased - 1.5 * smooth(excess, 0.04, rate) - 0.02 * excess
-    return np.minimum(eased, limit)
+    return np.minimum(eased, hardest)

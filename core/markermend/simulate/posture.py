@@ -127,7 +127,9 @@ def _drive(
 
 
 _CHANNELS = ("lean", "side", "twist", "head_lean", "head_turn", "tilt", "list") + tuple(
-    side + joint for side in SIDES for joint in ("flex", "spread", "turn", "elbow", "roll", "wrist")
+    side + joint
+    for side in SIDES
+    for joint in ("flex", "spread", "turn", "elbow", "roll", "wrist", "girdle", "shrug")
 )
 
 
@@ -236,7 +238,7 @@ def _arm(
     seated = drive.seated
     lap = seated.rest
     wave = keyed(time, script.wave) if side == "R" else np.zeros_like(time)
-    flex = np.radians(-2.0 + 20.0 * forth + 3.0 * stepping)
+    flex = np.radians(-2.0 + 17.0 * forth + 3.0 * stepping)
     elbow = np.radians(14.0 + 8.0 * stepping + 10.0 * forth + 4.0 * forth * np.abs(forth))
     spread = np.full_like(time, np.radians(8.0))
     turn = np.full_like(time, np.radians(14.0))
@@ -245,18 +247,26 @@ def _arm(
     flex += np.radians(34.0) * seated.lean * (1.0 - 0.3 * lap)
     elbow += np.radians(8.0) * seated.lean
     for blend, pose in (
-        (lap, (27.0, 9.0, 20.0, 62.0, 62.0)),
-        (wave, (48.0, 14.0, 44.0, 112.0, 70.0)),
+        (lap, (21.0, 10.0, 18.0, 48.0, 62.0)),
+        (wave, (52.0, 22.0, -14.0, 106.0, 25.0)),
     ):
         for values, target in zip((flex, spread, turn, elbow, roll), pose, strict=True):
             values += blend * (np.radians(target) - values)
+    turn += np.radians(13.0) * wave**3 * np.sin(2.0 * np.pi * 1.7 * time)
+    raised = flex - np.radians(5.0)
+    girdle = (
+        thorax.rotation
+        @ turned("z", -sign * (0.14 * raised + noise[side + "girdle"]))
+        @ turned("x", sign * (0.10 * np.abs(raised) + 0.7 * noise[side + "shrug"]))
+    )
+    clavicle = Frames(thorax.point(body.sternoclavicular(side)), girdle)
     upper = (
         thorax.rotation
         @ turned("y", -(flex + noise[side + "flex"]))
         @ turned("x", sign * (spread + noise[side + "spread"]))
         @ turned("z", -sign * (turn + noise[side + "turn"]))
     )
-    upperarm = Frames(thorax.point(body.shoulder(side)), upper)
+    upperarm = Frames(clavicle.point(body.shoulder(side)), upper)
     fore = (
         upper
         @ turned("y", -np.maximum(elbow + 1.5 * noise[side + "elbow"], np.radians(2.0)))
@@ -266,4 +276,9 @@ def _arm(
     wrist = np.radians(4.0) * forth + 3.0 * noise[side + "wrist"] + np.radians(10.0) * lap
     bend = turned("x", sign * wrist) @ turned("y", -1.5 * noise[side + "flex"])
     hand = Frames(forearm.point(np.array([0.0, 0.0, -body.forearm])), fore @ bend)
-    return {side + "upperarm": upperarm, side + "forearm": forearm, side + "hand": hand}
+    return {
+        side + "clavicle": clavicle,
+        side + "upperarm": upperarm,
+        side + "forearm": forearm,
+        side + "hand": hand,
+    }

@@ -47,7 +47,8 @@ def sitting(rng: np.random.Generator) -> Script:
 def walking(rng: np.random.Generator) -> Script:
     """Walk up and down the room in a long loop, from standing to standing; 20 s."""
     start = Place(-1900.0, -900.0, 0.0)
-    stretches = ((3400.0, 0.0), (2830.0, 180.0), (3400.0, 0.0), (2830.0, 180.0), (2600.0, 0.0))
+    stretches = ((3400.0, 0.0), (2830.0, 180.0), (3400.0, 0.0), (2830.0, 180.0), (3400.0, 0.0),
+        (2830.0, 180.0), (700.0, 0.0))
     steps, _ = walk(start, stretches, 1150.0, 1.2, "R", rng)
     look = ((0.0, 0.0), (13.0, 0.0), (13.9, -16.0), (14.6, -16.0), (15.6, 0.0))
     return Script(20.0, start.both(), steps, look=look)
@@ -61,25 +62,28 @@ def treadmill(rng: np.random.Generator, speed: float) -> Script:
 
 
 def demo(rng: np.random.Generator) -> Script:
-    """Walk, turn in front of a chair, sit and look around, stand up, greet, walk off; 30 s."""
+    """Walk, turn in front of a chair, sit and look around, stand up, walk off, turn and wave; 28 s."""
     start = Place(-1700.0, -650.0, 0.0)
-    away = ((2500.0, 0.0), (1950.0, 165.0), (1500.0, 0.0))
-    steps, chair = walk(start, away, 1100.0, 1.0, "R", rng)
-    steps, place = _then(steps, turn_on_spot(chair, 180.0, 8, _over(steps) + 0.25, 0.55))
-    sit = _over(steps) + 0.25
-    seat = Seat(sit, sit + 6.0, 2.1)
-    up = seat.stand_s + seat.takes_s + 0.3
-    steps, place = _then(steps, walk(place, ((1300.0, 0.0), (700.0, -45.0)), 1050.0, up, "L", rng))
+    away = ((2300.0, 0.0), (2200.0, 170.0), (1300.0, 0.0))
+    steps, chair = walk(start, away, 1100.0, 0.9, "R", rng)
+    steps, place = _then(steps, turn_on_spot(chair, 180.0, 6, _over(steps) + 0.25, 0.56))
+    sit = _over(steps) + 0.2
+    seat = Seat(sit, sit + 5.6, 2.1)
+    up = seat.stand_s + seat.takes_s + 0.25
+    off = ((900.0, 0.0), (900.0, -50.0))
+    steps, place = _then(steps, walk(place, off, 1000.0, up, "L", rng))
     steps, place = _then(steps, turn_on_spot(place, -90.0, 4, _over(steps) + 0.3, 0.58))
-    greet = _over(steps) + 0.1
+    end = _over(steps)
     look = (
-        *((0.0, 0.0), (sit + 2.2, 0.0), (sit + 3.1, 36.0), (sit + 3.8, 36.0)),
-        *((sit + 4.8, -30.0), (sit + 5.4, -30.0), (sit + 6.1, 0.0)),
+        *((0.0, 0.0), (sit + 2.1, 0.0), (sit + 2.9, 36.0), (sit + 3.5, 36.0)),
+        *((sit + 4.3, -30.0), (sit + 4.8, -30.0), (sit + 5.5, 0.0)),
+        *((end + 0.1, 0.0), (end + 0.8, 18.0), (end + 2.2, 18.0), (end + 2.9, 0.0)),
     )
-    nod = ((0.0, 0.0), (sit + 3.6, 0.0), (sit + 4.4, 9.0), (sit + 5.6, 0.0))
-    wave = ((0.0, 0.0), (greet, 0.0), (greet + 0.9, 1.0), (greet + 1.7, 1.0), (greet + 2.6, 0.0))
+    nod = ((0.0, 0.0), (sit + 3.4, 0.0), (sit + 4.1, 9.0), (sit + 5.2, 0.0))
+    wave = ((0.0, 0.0), (end + 0.1, 0.0), (end + 0.9, 1.0), (end + 1.9, 1.0), (end + 2.8, 0.0))
+    load = ((0.0, 0.5), (end + 2.4, 0.5), (end + 3.4, 0.7))
     return Script(
-        30.0, start.both(), steps, (seat,), look=look, nod=nod, wave=wave
+        28.0, start.both(), steps, (seat,), look=look, nod=nod, load_left=load, wave=wave
     )
 
 

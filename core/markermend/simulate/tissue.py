@@ -17,19 +17,28 @@ from markermend.simulate.curves import wander
 from markermend.simulate.markers import Marker
 from markermend.simulate.posture import Frames, Movement
 
-DRAWN = 1.3
-"""Standard deviation, per axis, of how far skin is drawn by a joint that turns by one radian."""
-CREEP = 0.25
-"""Standard deviation of slow changes without a cause, in mm."""
-MOST = 2.4
-"""No axis leaves its place by more than this, in mm."""
+MOST = 1.9
+"""A marker leaves its place by less than this, in mm, so that markers of one segment keep their
+distances within 5 mm."""
+DRAWN = 2.6
+"""How hard skin is drawn by the joints, relative to `MOST`."""
+FOLDS = 2.2
+"""How quickly the drawing changes its direction while a joint turns, per radian."""
+HYSTERESIS = 3.0
+"""How far its phase wanders, per radian that the joints turn."""
+CREEP = 0.3
+"""Slow changes without a cause, relative to `MOST`."""
 WOBBLE_HZ, WOBBLE_DAMPING, WOBBLE_SHARE = 9.0, 0.35, 0.25
 NOISE_RANGE = (0.1, 0.3)
 """Standard deviation of the measurement noise of the best and the worst seen marker, in mm."""
 NOISE_MEMORY = 0.35
 """Correlation of the noise of one frame with that of the one before."""
 
-_STIFF = {"head": 0.3, "pelvis": 0.9, "Lhand": 0.5, "Rhand": 0.5, "Lfoot": 0.45, "Rfoot": 0.45}
+BREATH_HZ = 0.27
+_BREATHES = {"STRN": (1.6, 0.0, 0.5), "CLAV": (1.0, 0.0, 1.0), "RBAK": (-0.5, 0.0, 0.3)}
+
+_STIFF = {"head": 0.5}
+"""Skin on the skull moves less."""
 
 
 def skin_motion(
@@ -41,16 +50,36 @@ def skin_motion(
     creep = wander(rng, n_frames, 3 * len(markers), 1.2, movement.rate)
     moved = np.empty((n_frames, len(markers), 3))
     wobbles = {name: _wobble(frames, movement.rate) for name, frames in segments.items()}
+    breath = _breath(n_frames, movement.rate, rng)
     for k, marker in enumerate(markers):
-        softness = _STIFF.get(marker.segment, 1.0)
-        angles = _joint_angles(segments, marker.segment)
-        weights = rng.normal(0.0, DRAWN, (angles.shape[1], 3))
-        bends = rng.normal(0.0, 0.5 * DRAWN, (angles.shape[1], 3))
-        drawn = angles @ weights + angles**2 @ bends
-        drawn -= np.median(drawn, axis=0)
-        free = drawn + CREEP * creep[:, 3 * k : 3 * k + 3] + wobbles[marker.segment]
-        moved[:, k] = softness * MOST * np.tanh(free / MOST)
+        drawn = DRAWN * _drawn(_joint_angles(segments, marker.segment), movement.rate, rng)
+        free = drawn + CREEP * creep[:, 3 * k : 3 * k + 3] + wobbles[marker.segment] / MOST
+        free += breath[:, None] * np.array(_BREATHES.get(marker.label, (0.0, 0.0, 0.0))) / MOST
+        free *= _STIFF.get(marker.segment, 1.0)
+        moved[:, k] = MOST * free / np.sqrt(1.0 + np.sum(free**2, axis=1, keepdims=True))
     return moved
+
+
+def _drawn(angles: FloatArray, rate: float, rng: np.random.Generator) -> FloatArray:
+    """A smooth function, (n, 3), of the joints' angles and of the way they have come.
+
+    Skin does not come back to quite the same place: while a joint turns, and only then, the phases
+    wander. So no straight line through other markers describes it.
+    """
+    n_frames, n_angles = angles.shape
+    weights = rng.normal(0.0, FOLDS, (n_angles, 3, 2))
+    turning = np.linalg.norm(np.gradient(angles, axis=0), axis=1)
+    drift = np.cumsum(turning[:, None] * wander(rng, n_frames, 6, 0.3, rate), axis=0)
+    phases = rng.uniform(0.0, 2.0 * np.pi, (3, 2)) + HYSTERESIS * drift.reshape(n_frames, 3, 2)
+    waves: FloatArray = np.sin(np.tensordot(angles, weights, 1) + phases).sum(axis=2)
+    return waves - np.median(waves, axis=0)
+
+
+def _breath(n_frames: int, rate: float, rng: np.random.Generator) -> FloatArray:
+    """Breathing, -1 to 1, with a pace that varies."""
+    pace = BREATH_HZ * (1.0 + 0.15 * wander(rng, n_frames, 1, 3.0, rate)[:, 0])
+    breath: FloatArray = np.sin(2.0 * np.pi * np.cumsum(pace) / rate + rng.uniform(0.0, 6.0))
+    return breath
 
 
 def _joint_angles(segments: dict[str, Frames], name: str) -> FloatArray:

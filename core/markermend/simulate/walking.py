@@ -122,8 +122,8 @@ def walk(
     """
     total = sum(length for length, _ in stretches)
     pace = Cadence(speed)
-    n_steps = max(2, round(total / pace.step_length + 0.3))
     # The first step is shorter, the last one only brings the feet together.
+    n_steps = max(2, round(total / pace.step_length - 0.75) + 2)
     ways = np.concatenate([[0.75], np.ones(n_steps - 2), [0.0]])
     reached = np.concatenate([np.cumsum(ways[:-1]), [np.sum(ways)]]) / np.sum(ways) * total
     steps, last = [], {"L": 0.0, "R": 0.0}
@@ -136,7 +136,7 @@ def walk(
         last[side] = float(way)
         if not final:
             hold = _near(hold, rng)
-        steps.append(Step(side, land - pace.swing_s, land, hold, min(stride / COMMON_STRIDE, 1.1)))
+        steps.append(Step(side, land - pace.swing_s, land, hold, min(stride / COMMON_STRIDE, 1.2)))
     return tuple(steps), along(start, stretches, total)
 
 
@@ -145,7 +145,7 @@ def steady(
 ) -> tuple[dict[Side, Foothold], tuple[Step, ...]]:
     """Walk straight along x without begin and end; at time 0 the person is at x = 0."""
     pace = Cadence(speed)
-    roll = min(2.0 * pace.step_length / COMMON_STRIDE, 1.1)
+    roll = min(2.0 * pace.step_length / COMMON_STRIDE, 1.2)
     first_way = speed * begin_s
     start = {
         "L": Place(first_way, 0.0, 0.0).foothold("L", WIDTH),
