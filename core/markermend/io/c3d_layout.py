@@ -100,14 +100,17 @@ class C3DLayout:
             camera mask in the high byte, residual in the low one, negative where not valid.
         """
         stored = self.stored(data)
+        words = self.words(stored[..., 3])
         if not self.is_float:
-            return stored[..., :3] * self.scale, stored[..., 3].astype(np.int32)
-        floats = to_floats(stored, self.order)
-        words = np.nan_to_num(floats[..., 3], nan=-1.0, posinf=-1.0, neginf=-1.0)
-        return (
-            floats[..., :3].astype(np.float64),
-            np.clip(words, -32768, 32767).astype(np.int32),
-        )
+            return stored[..., :3] * self.scale, words
+        return to_floats(stored[..., :3], self.order).astype(np.float64), words
+
+    def words(self, stored: NDArray[Any]) -> NDArray[np.int32]:
+        """Decode residual words of any shape."""
+        if not self.is_float:
+            return stored.astype(np.int32)
+        floats = np.nan_to_num(to_floats(stored, self.order), nan=-1.0, posinf=-1.0, neginf=-1.0)
+        return np.clip(floats, -32768, 32767).astype(np.int32)
 
 
 def read_layout(path: Path) -> C3DLayout:
@@ -282,6 +285,8 @@ def _choose(header: _Header, parameters: C3DParameters, size: int) -> tuple[_Cla
     given = ((chosen.start // BLOCK) + 1, *chosen[1:])
     for (what, values), value in zip(said.items(), given, strict=True):
         others = [f"{v:g}" for v in values if not _same(what, v, value)]
+        if what == "frames" and value > MOST_BY_EZC3D:
+            others = []  # 16 bits cannot say more: no contradiction
         if others:
             warnings.append(
                 f"The file contradicts itself about its {what}: {value:g} was taken, "

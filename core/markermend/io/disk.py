@@ -55,6 +55,11 @@ def write_whole(
             temporary.unlink(missing_ok=True)
 
 
+def load(path: Path) -> bytes:
+    """Read all bytes of a file."""
+    return path.read_bytes()
+
+
 def refuse_existing(path: Path, *, overwrite: bool) -> None:
     """Refuse a target that is a folder, or that exists and must not be replaced."""
     if path.is_dir():

@@ -12,11 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from markermend.errors import BadInput, CannotWrite
-from markermend.io.disk import refuse_existing, write_whole
-from markermend.io.format import Format, Reading, Stored, all_formats, format_for
+from markermend.io.disk import load, refuse_existing, write_whole
+from markermend.io.format import Patching, Reading, all_formats, format_for
 from markermend.model import MM_PER_UNIT, BoolArray, FloatArray, Source, Span, Take, runs
 
 Mode = Literal["patched", "copied", "rewritten"]
+
+_ALWAYS_ANEW = "{} is always written anew."
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,10 +176,7 @@ def _changes(original: Take, repaired: Take) -> BoolArray:
     """(n_frames, n_markers): where the positions differ."""
     if original.labels != repaired.labels or original.positions.shape != repaired.positions.shape:
         raise BadInput("The repaired take has other markers or frames than the original.")
-    same = (original.positions == repaired.positions) | (
-        np.isnan(original.positions) & np.isnan(repaired.positions)
-    )
-    return ~np.asarray(same.all(axis=2))
+    return ~np.asarray(_same(original.positions, repaired.positions).all(axis=2))
 
 
 def _refuse_outside(take: Take, changed: BoolArray, spans: Iterable[tuple[str, Span]]) -> None:
@@ -210,48 +209,39 @@ def _export(
         data = _unchanged_bytes(source)
         write_whole(path, data, overwrite=overwrite)
         return Written(path, "copied", source.sha256, source_sha256=source.sha256)
-    if format_.patch is None or format_.inspect is None:
-        why = f"{format_.title} is always written anew."
-        return _rewrite(repaired, path, why, overwrite)
-    return _patch(format_, original, repaired, path, changed, overwrite)
+    if format_.patching is None:
+        return _rewrite(repaired, path, _ALWAYS_ANEW.format(format_.title), overwrite)
+    return _patch(format_.patching, source, original, repaired, path, changed, overwrite)
 
 
 def _patch(
-    format_: Format,
+    patching: Patching,
+    source: Source,
     original: Take,
     repaired: Take,
     path: Path,
     changed: BoolArray,
     overwrite: bool,
 ) -> Written:
-    source = original.source
-    assert source is not None
-    assert format_.patch is not None
-    assert format_.inspect is not None
-    inspect = format_.inspect
     data = _unchanged_bytes(source)
     factor = MM_PER_UNIT.get(source.units, 1.0)
-    reading, before = _reading_of(original, inspect, data, factor)
-    patch = format_.patch(data, reading, repaired.positions / factor, changed)
+    reading = _reading_of(original, patching, data, factor)
+    patch = patching.patch(data, reading, repaired.positions / factor, changed)
     found: list[Written] = []
 
     def verify(written: Path) -> None:
-        new_data = written.read_bytes()
-        after = inspect(new_data, reading)
-        if after.rest != before.rest or after.raw.shape != before.raw.shape:
+        new_data = load(written)
+        differs = patching.compare(data, new_data, reading)
+        if differs is None or (differs & ~changed).any():
             raise CannotWrite(
-                "The verification found bytes changed that are no samples; nothing was written."
+                "The verification found more changed than what was repaired; nothing was written."
             )
-        differs = (after.raw != before.raw).any(axis=2)
-        if (differs & ~changed).any():
-            raise CannotWrite(
-                "The verification found samples changed that were not repaired; nothing was "
-                "written."
-            )
-        deviation = np.abs(after.positions - repaired.positions / factor)[changed]
-        wrong = np.isnan(after.positions[changed]) != np.isnan(repaired.positions[changed])
-        largest = float(np.nanmax(deviation, initial=0.0))
-        if wrong.any() or largest > patch.resolution * 1.01 + 1e-12:
+        after = patching.positions(new_data, reading)[changed] * factor
+        wanted = repaired.positions[changed]
+        deviation = float(np.nanmax(np.abs(after - wanted), initial=0.0))
+        if (np.isnan(after) != np.isnan(wanted)).any() or (
+            deviation > patch.resolution * factor * 1.01
+        ):
             raise CannotWrite(
                 "The verification found repaired samples that do not read back as they should; "
                 "nothing was written."
@@ -265,10 +255,10 @@ def _patch(
                 source_sha256=source.sha256,
                 frames=frames,
                 labels=tuple(original.labels[m] for m in markers),
-                old=before.positions[frames, markers] * factor,
-                new=after.positions[frames, markers] * factor,
+                old=original.positions[frames, markers],
+                new=after[differs[changed]],
                 resolution_mm=patch.resolution * factor,
-                deviation_mm=largest * factor,
+                deviation_mm=deviation,
             )
         )
 
@@ -276,17 +266,20 @@ def _patch(
     return found[0]
 
 
-def _reading_of(original: Take, inspect: Any, data: bytes, factor: float) -> tuple[Reading, Stored]:
+def _reading_of(original: Take, patching: Patching, data: bytes, factor: float) -> Reading:
     """Find the way of reading by which the file gives the original take."""
     for reading in (Reading(), Reading(ignore_residuals=True)):
-        stored: Stored = inspect(data, reading)
-        if stored.positions.shape == original.positions.shape and np.allclose(
-            stored.positions * factor, original.positions, rtol=1e-9, atol=1e-9, equal_nan=True
-        ):
-            return reading, stored
+        stored = patching.positions(data, reading)
+        stored *= factor
+        if stored.shape == original.positions.shape and _same(stored, original.positions).all():
+            return reading
     raise CannotWrite(
         "The original take is not what its file holds; read the file again and repeat the repairs."
     )
+
+
+def _same(one: FloatArray, other: FloatArray) -> BoolArray:
+    return np.asarray((one == other) | (np.isnan(one) & np.isnan(other)))
 
 
 def _as_read(take: Take, source: Source) -> Take | str:
@@ -294,8 +287,8 @@ def _as_read(take: Take, source: Source) -> Take | str:
     format_ = next(f for f in all_formats() if f.name == source.format)
     if not source.path.exists():
         return f"The source {source.path.name} is no longer there."
-    if format_.patch is None:
-        return f"{format_.title} is always written anew."
+    if format_.patching is None:
+        return _ALWAYS_ANEW.format(format_.title)
     _unchanged_bytes(source)
     for ignore in (False, True):
         contents = format_.open(source.path, Reading(ignore, second_opinion=False))
@@ -311,7 +304,7 @@ def _as_read(take: Take, source: Source) -> Take | str:
 
 def _unchanged_bytes(source: Source) -> bytes:
     try:
-        data = source.path.read_bytes()
+        data = load(source.path)
     except OSError as error:
         raise CannotWrite(
             f"The source {source.path} cannot be read again: {error.strerror or error}."

@@ -9,9 +9,6 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from markermend.errors import MarkerMendError, UnreadableTake
 from markermend.io import formats
 from markermend.io.contents import Contents
@@ -39,27 +36,8 @@ class Reading:
 
 
 @dataclass(frozen=True, eq=False)
-class Stored:
-    """What a file's bytes hold, sample by sample, for the verification of an export.
-
-    Attributes
-    ----------
-    positions
-        (n_frames, n_points, n_dims) in the file's own unit, NaN = not seen.
-    rest
-        Everything in the file that is no sample, in a form in which equal means unchanged.
-    raw
-        (n_frames, n_points, ...) the samples as they are stored, bit for bit.
-    """
-
-    positions: FloatArray
-    rest: bytes
-    raw: NDArray[np.generic]
-
-
-@dataclass(frozen=True, eq=False)
 class Patch:
-    """The bytes of an export.
+    """What a format makes of wanted positions.
 
     Attributes
     ----------
@@ -87,6 +65,27 @@ class Patcher(Protocol):
 
 
 @dataclass(frozen=True)
+class Patching:
+    """How the bytes of a file are changed sample by sample, and how that is checked.
+
+    Attributes
+    ----------
+    positions
+        ``(data, reading)``: the samples in the bytes, (n_frames, n_points, n_dims) in the file's
+        own unit, NaN = not seen; the same as `Format.open` gives.
+    patch
+        Changes samples and nothing else.
+    compare
+        ``(old, new, reading)``: (n_frames, n_points), where two files differ bit for bit; None
+        where they differ in anything that is no sample.
+    """
+
+    positions: Callable[[bytes, Reading], FloatArray]
+    patch: Patcher
+    compare: Callable[[bytes, bytes, Reading], BoolArray | None]
+
+
+@dataclass(frozen=True)
 class Format:
     """One file format.
 
@@ -101,13 +100,10 @@ class Format:
         for a folder.
     open
         Read a file.
-    inspect
-        Take the bytes of a file apart, for patching and its verification; None where files are
-        always written anew.
-    patch
-        Change samples in the bytes of a file; None likewise.
+    patching
+        Or None where files are always written anew.
     write
-        Write a take anew: bytes, or None where the format cannot be written anew.
+        The bytes of a take written anew, or None where the format cannot be.
     """
 
     name: str
@@ -115,8 +111,7 @@ class Format:
     extensions: tuple[str, ...]
     recognises: Callable[[Path, bytes], bool]
     open: Callable[[Path, Reading], Contents]
-    inspect: Callable[[bytes, Reading], Stored] | None = None
-    patch: Patcher | None = None
+    patching: Patching | None = None
     write: Callable[[Take], bytes] | None = None
 
 

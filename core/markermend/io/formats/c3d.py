@@ -19,13 +19,14 @@ from markermend.io.contents import (
     unit_name,
     warned,
 )
-from markermend.io.format import Format, Patch, Reading, Stored
+from markermend.io.format import Format, Patch, Patching, Reading
 from markermend.io.limits import check_size
 from markermend.io.roles import listed_outputs, roles_of
 from markermend.model import BoolArray, Event, FloatArray
 
 _NOT_SEEN = -1
 _CAMERAS = 0x7F00
+_FLOAT_STEP = 1e-20
 
 
 def recognises(_path: Path, head: bytes) -> bool:
@@ -156,21 +157,27 @@ def _second_opinion(
     return [sentence]
 
 
-def inspect(data: bytes, reading: Reading) -> Stored:
-    """Take the bytes apart into samples and the rest."""
+def positions_in(data: bytes, reading: Reading) -> FloatArray:
+    """Decode the points of a file's bytes."""
     layout = layout_in(data)
-    array = np.frombuffer(data, np.uint8)
-    stored, words = layout.samples(array)
+    stored, words = layout.samples(np.frombuffer(data, np.uint8))
     seen, _ = _seen(stored, words, reading)
-    positions, _ = seen_only(stored, seen)
-    raw = np.ascontiguousarray(layout.stored(array))
-    rest = array.copy()
-    layout.stored(rest)[:] = 0
-    return Stored(
-        positions,
-        rest.tobytes(),
-        raw.view(np.uint8).reshape(layout.n_frames, layout.n_points, -1),
-    )
+    return seen_only(stored, seen)[0]
+
+
+def compare(old: bytes, new: bytes, _reading: Reading) -> BoolArray | None:
+    """Find the samples whose bytes differ; None where any other byte does."""
+    layout = layout_in(old)
+    if len(old) != len(new):
+        return None
+    before, after = np.frombuffer(old, np.uint8), np.frombuffer(new, np.uint8)
+    differs = before != after
+    start, stop = layout.data_start, layout.data_start + layout.n_frames * layout.frame_bytes
+    frames = differs[start:stop].reshape(layout.n_frames, layout.frame_bytes)
+    points, analog = np.split(frames, [4 * layout.value_bytes * layout.n_points], axis=1)
+    if differs[:start].any() or differs[stop:].any() or analog.any():
+        return None
+    return np.asarray(points.reshape(layout.n_frames, layout.n_points, -1).any(axis=2))
 
 
 def patch(data: bytes, reading: Reading, positions: FloatArray, changed: BoolArray) -> Patch:
@@ -185,8 +192,7 @@ def patch(data: bytes, reading: Reading, positions: FloatArray, changed: BoolArr
     frames, points = np.nonzero(changed)
     values = positions[frames, points]
     gone = np.asarray(~np.isfinite(values).all(axis=1))
-    _, words = layout.samples(np.frombuffer(data, np.uint8))
-    old = words[frames, points]
+    old = layout.words(target[frames, points, 3])
     word = np.where(gone, _NOT_SEEN, np.where(old < 0, 0, old & _CAMERAS))
     if reading.ignore_residuals:
         word = old
@@ -202,8 +208,8 @@ def patch(data: bytes, reading: Reading, positions: FloatArray, changed: BoolArr
 
 def _off_zero(values: FloatArray, seen: BoolArray, layout: C3DLayout) -> FloatArray:
     """Move what would be stored as 0, 0, 0 by the least step: that means a gap in many files."""
-    step = 1e-20 if layout.is_float else layout.scale
-    zero = seen & (np.abs(values) <= (1e-21 if layout.is_float else step / 2)).all(axis=1)
+    step = _FLOAT_STEP if layout.is_float else layout.scale
+    zero = seen & (np.abs(values) <= step / 2).all(axis=1)
     moved = values.copy()
     moved[zero, 0] = np.where(values[zero, 0] < 0, -step, step)
     return moved
@@ -216,7 +222,7 @@ def _encoded(layout: C3DLayout, values: FloatArray) -> tuple[NDArray[np.generic]
         back = to_floats(encoded, layout.order)
         if not np.allclose(back, values, rtol=1e-6, atol=1e-30):
             raise CannotWrite("A repaired coordinate is larger than the C3D file's floats can be.")
-        return encoded, float(np.spacing(np.abs(back)).max(initial=0.0))
+        return encoded, float(np.spacing(np.abs(back)).max(initial=_FLOAT_STEP))
     steps = np.rint(values / layout.scale)
     if (np.abs(steps) > 32767).any():
         raise CannotWrite(
@@ -232,7 +238,6 @@ FORMAT = Format(
     extensions=(".c3d",),
     recognises=recognises,
     open=open_c3d,
-    inspect=inspect,
-    patch=patch,
+    patching=Patching(positions_in, patch, compare),
     write=write_c3d,
 )
