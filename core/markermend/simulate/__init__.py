@@ -1,6 +1,18 @@
 """Takes of a simulated person: for the demonstration, for experiments and for tests."""
 
+from markermend.simulate.artefacts import Truth, distort
+from markermend.simulate.demonstration import DEMO_SEED, demonstration, make_demo, read_truth
 from markermend.simulate.scenarios import SCENARIOS
 from markermend.simulate.take import perform, simulate
 
-__all__ = ["SCENARIOS", "perform", "simulate"]
+__all__ = [
+    "DEMO_SEED",
+    "SCENARIOS",
+    "Truth",
+    "demonstration",
+    "distort",
+    "make_demo",
+    "perform",
+    "read_truth",
+    "simulate",
+]

@@ -26,10 +26,11 @@ class Truth:
     span, kind
         Where, and what.
     amplitude
-        Height of a peak, step or slow change, standard deviation of heavy noise per axis, distance
-        of both markers of a swap where it begins; in mm. None for a gap.
+        Height of a peak, step or slow change as a distance in space, standard deviation of heavy
+        noise per axis, distance of both markers of a swap where it
+        begins; in mm. None for a gap.
     axes
-        Names of the axes that are distorted; the amplitude is divided evenly, as to its square.
+        Names of the axes that are distorted, by equal shares.
     partner
         For a label swap, the label of the other marker, which has a record of its own.
     """
@@ -119,7 +120,9 @@ def _put(
     else:
         profile = _profile(truth.kind, len(truth.span))
         shape = height / np.sqrt(len(axes)) * signs * profile[:, None]
-    positions[frames, marker, axes[0] : axes[-1] + 1] += shape
+    offset = np.zeros((len(truth.span), take.n_dims))
+    offset[:, axes] = shape
+    positions[frames, marker] += offset
     return [truth]
 
 

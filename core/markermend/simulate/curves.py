@@ -1,6 +1,7 @@
 """Smooth functions of time that all movement is made of."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
@@ -22,7 +23,7 @@ def rise(time: FloatArray, start_s: float, stop_s: float) -> FloatArray:
 def keyed(time: FloatArray, keys: Keys) -> FloatArray:
     """Go from key to key with the least jerk, and rest at each; a constant beyond the ends."""
     value = np.full_like(time, keys[0][1])
-    for (t0, before), (t1, after) in zip(keys, keys[1:], strict=False):
+    for (t0, before), (t1, after) in pairwise(keys):
         if after != before:
             value += (after - before) * rise(time, t0, t1)
     return value
@@ -62,3 +63,9 @@ def placed(rotation: FloatArray, offset: FloatArray) -> FloatArray:
     """Turn a fixed offset, (3,), by rotations, (n, 3, 3)."""
     points: FloatArray = rotation @ offset
     return points
+
+
+def ahead_by(values: FloatArray, by_s: float, rate: float) -> FloatArray:
+    """Take the values from `by_s` later (from before, where negative)."""
+    frames = np.clip(np.arange(len(values)) + round(by_s * rate), 0, len(values) - 1)
+    return values[frames]

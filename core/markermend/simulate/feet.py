@@ -1,14 +1,13 @@
 """How a foot moves from foothold to foothold: planted, rolling over heel and ball, swinging.
 
 The pitch of the foot follows published gait: about 20 degrees up at heel strike, flat after a tenth
-of the cycle, the heel rising from 40 % on, 55 to 60 degrees down at toe-off (Perry and Burnfield, *Gait
-Analysis*, 2nd ed., 2010, chapter 4). While it stands the foot turns about a point of its sole
-that does not move; so it cannot slide.
+of the cycle, the heel rising from a third of it on, 55 to 60 degrees down at toe-off (Perry and
+Burnfield, *Gait Analysis*, 2nd ed., 2010, chapter 4). While it stands the foot turns about a point
+of its sole that does not move; so it cannot slide.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import BPoly
@@ -114,9 +113,7 @@ def _swing(step: Step, time: FloatArray, rate: float) -> Span:
     return Span(round((step.lift_s - time[0]) * rate), round((step.land_s - time[0]) * rate))
 
 
-def _holds(
-    time: FloatArray, start: Foothold, own: Sequence[Step]
-) -> tuple[FloatArray, FloatArray]:
+def _holds(time: FloatArray, start: Foothold, own: Sequence[Step]) -> tuple[FloatArray, FloatArray]:
     """Where the foot is glued to (it changes at landing), and its heading (turns in the swing)."""
     anchor = np.tile((start.x, start.y), (len(time), 1))
     yaw = np.full(len(time), start.yaw)
@@ -233,9 +230,3 @@ def load_left(left: FootMotion, right: FootMotion, standing: FloatArray) -> Floa
     """
     both = left.planted & right.planted
     return np.where(both, standing, left.planted.astype(np.float64))
-
-
-def swings_of(motion: FootMotion) -> list[tuple[int, int]]:
-    """Frames at which the foot lifts and lands again."""
-    edges = np.flatnonzero(np.diff(motion.planted.astype(np.int8))) + 1
-    return [(int(a), int(b)) for a, b in pairwise(edges) if not motion.planted[a]]

@@ -12,7 +12,7 @@ import numpy as np
 
 from markermend.model import FloatArray
 from markermend.simulate.body import SIDES, Body, Side
-from markermend.simulate.curves import placed, rise, smooth, turned
+from markermend.simulate.curves import placed, rise, smooth
 from markermend.simulate.feet import FootMotion
 from markermend.simulate.legs import MOST_STRETCHED, reach
 from markermend.simulate.script import Seat
@@ -90,7 +90,7 @@ def pelvis_path(
     seated
         How far seated.
     """
-    weights = {"L": load, "R": 1.0 - load}
+    weights: dict[Side, FloatArray] = {"L": load, "R": 1.0 - load}
     # A person passes the weight on while moving; this also gives the sway of the gait.
     carried = sum(weights[side][:, None] * feet[side].anchor for side in SIDES)
     ground = smooth(np.asarray(carried), 0.2, rate)
@@ -119,9 +119,12 @@ def _carried_height(
     """Height at which the loaded knees are bent as in published gait."""
     share = smooth(load, 0.045, rate)
     height = np.zeros(len(load))
-    for side, weight in (("L", share), ("R", 1.0 - share)):
+    weights: dict[Side, FloatArray] = {"L": share, "R": 1.0 - share}
+    for side in SIDES:
         foot = feet[side]
-        height += weight * (_height(body, foot, hips[side], stance_flexion(foot)) - lift[side])
+        height += weights[side] * (
+            _height(body, foot, hips[side], stance_flexion(foot)) - lift[side]
+        )
     return smooth(height, 0.05, rate)
 
 

@@ -27,7 +27,11 @@ def static(rng: np.random.Generator) -> Script:
         load += [(at, load[-1][1]), (at + 1.5, share + float(rng.normal(0, 0.04)))]
         at += 3.5 + float(rng.uniform(0.0, 0.9))
     return Script(
-        duration, Place(0.0, 0.0, 0.0).both(), look=tuple(look), nod=tuple(nod), load_left=tuple(load)
+        duration,
+        Place(0.0, 0.0, 0.0).both(),
+        look=tuple(look),
+        nod=tuple(nod),
+        load_left=tuple(load),
     )
 
 
@@ -47,8 +51,15 @@ def sitting(rng: np.random.Generator) -> Script:
 def walking(rng: np.random.Generator) -> Script:
     """Walk up and down the room in a long loop, from standing to standing; 20 s."""
     start = Place(-1900.0, -900.0, 0.0)
-    stretches = ((3400.0, 0.0), (2830.0, 180.0), (3400.0, 0.0), (2830.0, 180.0), (3400.0, 0.0),
-        (2830.0, 180.0), (700.0, 0.0))
+    stretches = (
+        (3400.0, 0.0),
+        (2830.0, 180.0),
+        (3400.0, 0.0),
+        (2830.0, 180.0),
+        (3400.0, 0.0),
+        (2830.0, 180.0),
+        (700.0, 0.0),
+    )
     steps, _ = walk(start, stretches, 1150.0, 1.2, "R", rng)
     look = ((0.0, 0.0), (13.0, 0.0), (13.9, -16.0), (14.6, -16.0), (15.6, 0.0))
     return Script(20.0, start.both(), steps, look=look)
@@ -62,11 +73,11 @@ def treadmill(rng: np.random.Generator, speed: float) -> Script:
 
 
 def demo(rng: np.random.Generator) -> Script:
-    """Walk, turn in front of a chair, sit and look around, stand up, walk off, turn and wave; 28 s."""
+    """Walk, turn before a chair, sit and look around, stand up, walk off, turn and wave; 29 s."""
     start = Place(-1700.0, -650.0, 0.0)
     away = ((2300.0, 0.0), (2200.0, 170.0), (1300.0, 0.0))
     steps, chair = walk(start, away, 1100.0, 0.9, "R", rng)
-    steps, place = _then(steps, turn_on_spot(chair, 180.0, 6, _over(steps) + 0.25, 0.56))
+    steps, place = _then(steps, turn_on_spot(chair, 180.0, 8, _over(steps) + 0.25, 0.52))
     sit = _over(steps) + 0.2
     seat = Seat(sit, sit + 5.6, 2.1)
     up = seat.stand_s + seat.takes_s + 0.25
@@ -82,9 +93,7 @@ def demo(rng: np.random.Generator) -> Script:
     nod = ((0.0, 0.0), (sit + 3.4, 0.0), (sit + 4.1, 9.0), (sit + 5.2, 0.0))
     wave = ((0.0, 0.0), (end + 0.1, 0.0), (end + 0.9, 1.0), (end + 1.9, 1.0), (end + 2.8, 0.0))
     load = ((0.0, 0.5), (end + 2.4, 0.5), (end + 3.4, 0.7))
-    return Script(
-        28.0, start.both(), steps, (seat,), look=look, nod=nod, load_left=load, wave=wave
-    )
+    return Script(29.0, start.both(), steps, (seat,), look=look, nod=nod, load_left=load, wave=wave)
 
 
 def _over(steps: tuple[Step, ...]) -> float:

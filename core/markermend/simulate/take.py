@@ -7,8 +7,9 @@ import numpy as np
 from markermend.errors import BadParameter, UnknownName
 from markermend.model import FloatArray, Take
 from markermend.simulate.body import REFERENCE_HEIGHT, Body
+from markermend.simulate.frames import Movement
 from markermend.simulate.markers import LABELS, Marker, markers_of
-from markermend.simulate.posture import Movement, move
+from markermend.simulate.posture import move
 from markermend.simulate.scenarios import SCENARIOS
 from markermend.simulate.script import Script
 from markermend.simulate.tissue import measurement_noise, skin_motion

@@ -14,8 +14,8 @@ from scipy.spatial.transform import Rotation
 from markermend.model import FloatArray
 from markermend.simulate.body import PARENT
 from markermend.simulate.curves import wander
+from markermend.simulate.frames import Frames, Movement
 from markermend.simulate.markers import Marker
-from markermend.simulate.posture import Frames, Movement
 
 MOST = 1.9
 """A marker leaves its place by less than this, in mm, so that markers of one segment keep their

@@ -126,7 +126,8 @@ def walk(
     n_steps = max(2, round(total / pace.step_length - 0.75) + 2)
     ways = np.concatenate([[0.75], np.ones(n_steps - 2), [0.0]])
     reached = np.concatenate([np.cumsum(ways[:-1]), [np.sum(ways)]]) / np.sum(ways) * total
-    steps, last = [], {"L": 0.0, "R": 0.0}
+    steps: list[Step] = []
+    last: dict[Side, float] = {"L": 0.0, "R": 0.0}
     for k, (side, way) in enumerate(zip(alternating(first), reached, strict=False)):
         final = way >= total - 1e-6
         place = along(start, stretches, float(way))
@@ -147,7 +148,7 @@ def steady(
     pace = Cadence(speed)
     roll = min(2.0 * pace.step_length / COMMON_STRIDE, 1.2)
     first_way = speed * begin_s
-    start = {
+    start: dict[Side, Foothold] = {
         "L": Place(first_way, 0.0, 0.0).foothold("L", WIDTH),
         "R": Place(first_way - pace.step_length, 0.0, 0.0).foothold("R", WIDTH),
     }
