@@ -71,7 +71,7 @@ def published(
     savgol_order
         Degree L of the Savitzky-Golay filter of noise and steps.
     savgol_window
-        Length M of its window.
+        Length M of its window; below 100 Hz as many frames as at 100 Hz.
     slow_k
         Upper threshold T_U of the residual of a slow change.
     slow_low
@@ -94,8 +94,9 @@ def published(
     -----
     Read instead of what is printed: erosion is the minimum and dilation the maximum (Eq. 13, 14);
     the peak threshold is for the absolute value of D (Eq. 20); the ratio is movSumAbs over the
-    absolute value of movSum (Eq. 23).  M = 13 is the length of the window.  A peak is cut to the
-    frames above half its height, and within the width of the Savitzky-Golay filter only the
+    absolute value of movSum (Eq. 23).  M = 13 is the length of the window.  Peak candidates are
+    closed before the top-hat, so that heavy noise is no row of isolated peaks, and a peak is cut to
+    the frames above half its height.  Within the width of the Savitzky-Golay filter only the
     largest step counts, since the filter echoes it.  T_L is a multiple of the residual's deviation
     like T_U.  The printed thresholds fire everywhere, because every coordinate exceeds three
     deviations somewhere; the defaults are tuned.
@@ -103,7 +104,8 @@ def published(
     if as_printed:
         peak_k, noise_k, step_k, slow_k, slow_top, slow_length = 3.0, 2.0, 3.0, 3.0, 20, 50
     rate = take.rate
-    window = odd(savgol_window, rate)
+    # A jump takes one frame at any rate: fewer samples than printed would follow it.
+    window = odd(savgol_window, max(rate, 100.0))
     settings = Settings(
         peak_window=odd(peak_window, rate),
         peak_k=peak_k,

@@ -19,7 +19,7 @@ def score_of(strength: float) -> float:
 def findings(
     stage: Stage,
     expected: FloatArray,
-    seen: BoolArray,
+    trusted: BoolArray,
     labels: Sequence[str],
     n_dims: int,
     pad: int,
@@ -32,8 +32,9 @@ def findings(
         What was found; columns are marker by marker, axis by axis.
     expected
         (n_frames, n_columns) mm: where the marker would have been.
-    seen
-        (n_frames, n_markers): a mark of which half lies in gaps is dropped.
+    trusted
+        (n_frames, n_columns): a mark is dropped of which half was interpolated before this stage,
+        since it lay in a gap or was found by a stage before.
     labels
         Names of the markers.
     n_dims
@@ -44,7 +45,7 @@ def findings(
     found = []
     by_marker: dict[int, list[Mark]] = {}
     for mark in stage.marks:
-        if seen[mark.span.frames, mark.column // n_dims].mean() > 0.5:
+        if trusted[mark.span.frames, mark.column].mean() > 0.5:
             by_marker.setdefault(mark.column // n_dims, []).append(mark)
     for marker, marks in by_marker.items():
         for group in _groups(marks):

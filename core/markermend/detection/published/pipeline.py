@@ -1,6 +1,7 @@
 """Gaps first, then peaks, heavy noise, steps and slow changes, each interpolated away."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from markermend.body import infer
 from markermend.detection.published import stages
@@ -34,12 +35,12 @@ def run(take: Take, settings: Settings) -> list[Finding]:
         if predicted is None:
             continue
         stage = stages.slow_changes(clean[:, marker] - predicted, trusted[:, marker], settings)
-        found += _findings(take, stage, predicted, np.array([marker]))
+        found += _findings(take, stage, predicted, trusted[:, marker], np.array([marker]))
     return found
 
 
 def _sharp(
-    take: Take, block: np.ndarray, settings: Settings
+    take: Take, block: NDArray[np.intp], settings: Settings
 ) -> tuple[list[Finding], FloatArray, BoolArray]:
     """Run the three sudden stages on some markers; give the cleaned positions as well."""
     shape = (take.n_frames, len(block), take.n_dims)
@@ -49,15 +50,20 @@ def _sharp(
     found: list[Finding] = []
     for look in (stages.peaks, stages.heavy_noise, stages.steps):
         stage = look(x, trusted, settings)
-        trusted &= ~stage.mask()
-        x = interpolated(x, ~trusted)
-        found += _findings(take, stage, x, block)
+        left = trusted & ~stage.mask()
+        x = interpolated(x, ~left)
+        found += _findings(take, stage, x, trusted, block)
+        trusted = left
     return found, x.reshape(shape), trusted.reshape(shape)
 
 
 def _findings(
-    take: Take, stage: stages.Stage, expected: FloatArray, block: np.ndarray
+    take: Take,
+    stage: stages.Stage,
+    expected: FloatArray,
+    trusted: BoolArray,
+    block: NDArray[np.intp],
 ) -> list[Finding]:
     labels = [take.labels[m] for m in block]
     pad = max(1, round(EVIDENCE_S * take.rate))
-    return findings(stage, expected, take.seen[:, block], labels, take.n_dims, pad)
+    return findings(stage, expected, trusted, labels, take.n_dims, pad)

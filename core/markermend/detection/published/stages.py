@@ -79,16 +79,20 @@ def peaks(x: FloatArray, trusted: BoolArray, settings: Settings) -> Stage:
     kept = np.where(large > threshold, jumps, 0.0)  # Eq. 20
     candidates = peak_candidates(kept, settings)
     size = 2 * settings.peak_size + 3
-    isolated = top_hat(candidates.astype(float), size, settings.as_printed) > 0.5  # Eq. 25
+    raw = candidates.astype(float)
+    if not settings.as_printed:
+        # The peaks of heavy noise leave holes between each other; closed, they are one wide run.
+        raw = closing(raw, size)
+    isolated = top_hat(raw, size, settings.as_printed) > 0.5  # Eq. 25
     marks = []
     for column in np.flatnonzero(isolated.any(axis=0)):
         for run in runs(isolated[:, column]):
-            around = run.padded(1, len(x))
-            sizes = np.abs(kept[around.frames, column])
-            span = _trimmed(run, np.abs(fast[:, column]))
-            if threshold[column] > 0.0:
-                strength = float(sizes.max() / threshold[column])
+            largest = float(np.abs(kept[run.frames, column]).max())
+            # The window reaches beyond a large step; what only lies beside one is no peak.
+            if largest > 0.0:
+                span = _trimmed(run, np.abs(fast[:, column]))
                 amplitude = float(np.abs(fast[span.frames, column]).max())
+                strength = largest / float(threshold[column])
                 marks.append(Mark(int(column), span, strength, amplitude))
     name = "step from frame to frame beside the moving median"
     return Stage("peak", name, tuple(marks), jumps, threshold, usual)
