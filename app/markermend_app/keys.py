@@ -33,8 +33,14 @@ class Shortcut:
     @property
     def hint(self) -> str:
         """The key as it is printed on a button."""
-        shown = {" ": "Space", "ArrowLeft": "←", "ArrowRight": "→", "Escape": "Esc"}
-        return shown.get(self.keys[0], self.keys[0].upper())
+        return printed(self.keys[0])
+
+
+def printed(key: str) -> str:
+    """Write the name of a key as it stands on keyboards."""
+    names = {" ": "Space", "ArrowLeft": "←", "ArrowRight": "→", "Escape": "Esc"}
+    *modifiers, name = key.split("+") if len(key) > 1 else [key]
+    return "+".join([*modifiers, names.get(name, name.upper() if len(name) == 1 else name)])
 
 
 SHORTCUTS: tuple[Shortcut, ...] = (
@@ -62,8 +68,7 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     Shortcut("follow", ("w",), "follow the subject", "View"),
     Shortcut("undo", ("u", "Ctrl+z"), "undo", "Take"),
     Shortcut("redo", ("y", "Ctrl+Shift+z"), "redo", "Take"),
-    Shortcut("export", ("x",), "export the repaired take", "Take"),
-    Shortcut("theme", ("t",), "light or dark", "Take"),
+    Shortcut("export", ("Ctrl+s",), "export the repaired take", "Take"),
     Shortcut("help", ("?",), "this help", "Take"),
     Shortcut("close", ("Escape",), "close what is open", "Take"),
 )

@@ -246,10 +246,14 @@ class Take:
         return replace(self, positions=np.asarray(positions, np.float64))
 
 
+def short(label: str) -> str:
+    """Give a label without its subject, for screens."""
+    return label.rsplit(":", 1)[-1]
+
+
 def default_role(label: str) -> Role:
     """Tell a ``*n`` trajectory (of whatever subject) from a labelled marker."""
-    name = label.rsplit(":", 1)[-1]
-    return "unlabelled" if name.startswith("*") else "measured"
+    return "unlabelled" if short(label).startswith("*") else "measured"
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,6 +53,9 @@ def _module(name: str):  # type: ignore[no-untyped-def]
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
     given = list(sys.argv[1:] if argv is None else argv)
+    # Our matrices are small: threads of a numerical library would only wait for each other.
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
     command = next((word for word in given if not word.startswith("-")), None)
     try:
         options = _parser(command if command in COMMANDS else None).parse_args(given)

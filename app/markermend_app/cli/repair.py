@@ -68,8 +68,8 @@ def run(options: argparse.Namespace) -> None:
     if options.report is not None:
         _report(options.report, options, take, mended, written, stays)
     print(
-        f"{options.out}: {len(mended.repairs)} spans repaired, {written.n_changed} samples changed, "
-        f"{len(stays)} spans stay ({written.mode}); decisions in {beside.name}"
+        f"{options.out}: {len(mended.repairs)} spans repaired, {written.n_changed} samples "
+        f"changed, {len(stays)} spans stay ({written.mode}); decisions in {beside.name}"
     )
 
 

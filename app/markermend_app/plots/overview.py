@@ -77,7 +77,7 @@ class Overview:
         fig.add_layout(self.window)
         fig.add_layout(self.playhead)
         fig.ygrid.visible = False
-        fig.xaxis.formatter = CustomJSTickFormatter(code="return tick + ' s'")
+        fig.xaxis.formatter = CustomJSTickFormatter(code="return Number(tick.toFixed(2)) + ' s'")
         self.figure: Any = fig
 
     def show(self, values: OverviewValues, theme: str) -> None:
@@ -95,7 +95,7 @@ class Overview:
             nan_color=tokens["sunk"],
         )
         fig.yaxis.ticker = FixedTicker(ticks=[row for row, _ in values.groups])
-        fig.yaxis.major_label_overrides = dict(values.groups)
+        fig.yaxis.major_label_overrides = {row: _cut(name) for row, name in values.groups}
         self._show_marks(values, tokens)
         paint(fig, tokens)
         self.window.update(fill_color=tokens["accent"], line_color=tokens["accent"])
@@ -119,6 +119,10 @@ class Overview:
                 for name, value in zip(ring, grown, strict=True):
                     ring[name].append(value)
         self.marks.data, self.ring.data = columns, ring
+
+
+def _cut(name: str, most: int = 8) -> str:
+    return name if len(name) <= most else f"{name[: most - 1]}…"
 
 
 def _ramp(first: str, last: str, n: int) -> list[str]:

@@ -29,18 +29,7 @@ OWN_COLOURS = {
     "light": {"floor": "#D5DBE3", "shadow": "#DCE0E7", "bone": "#8A94A3", "marker": "#3D4550"},
     "dark": {"floor": "#272D37", "shadow": "#1E232B", "bone": "#667080", "marker": "#C3CAD5"},
 }
-SHARED_COLOURS = (
-    "view",
-    "panel",
-    "line",
-    "line2",
-    "ink",
-    "ink2",
-    "ink3",
-    "accent",
-    "soft",
-    "hover",
-)
+SHARED_COLOURS = ("view", "panel", "line", "line2", "ink", "ink2", "ink3", "accent")
 
 
 def scene_colours(theme: str) -> dict[str, str]:
@@ -167,7 +156,7 @@ def shapes() -> dict[str, pv.PolyData]:
         "bone": pv.Cylinder(
             center=(0, 0, 0.5), direction=(0, 0, 1), radius=1, height=1, resolution=6, capping=False
         ).triangulate(),
-        "ring": pv.Disc(inner=0.72, outer=1.0, c_res=20).triangulate(),
+        "ring": pv.Disc(inner=0.78, outer=1.0, c_res=20).triangulate(),
         "disc": pv.Disc(inner=0.0, outer=1.0, c_res=16).triangulate(),
     }
 

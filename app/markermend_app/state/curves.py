@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from markermend import curves
-from markermend.model import Finding, FloatArray, Span, Take
+from markermend.model import Finding, FloatArray, Span, Take, short
 from markermend_app.state.desk import Desk
 from markermend_app.state.values import (
     Curve,
@@ -151,7 +151,12 @@ def _evidence(take: Take, finding: Finding) -> EvidenceCurve | None:
     if found is not None:
         frames = np.arange(found.start, found.start + len(found.signal))
         return EvidenceCurve(
-            found.name, found.unit, frames / take.rate, found.signal, found.threshold, found.usual
+            found.name,
+            found.unit,
+            frames / take.rate,
+            np.abs(found.signal),
+            found.threshold,
+            found.usual,
         )
     wide = finding.span.padded(max(len(finding.span), round(take.rate)), take.n_frames)
     speed = curves.speed(take.positions[wide.frames, take.index(finding.marker)], take.rate)
@@ -174,7 +179,7 @@ def overview(desk: Desk) -> OverviewValues | None:
     for cluster in mesh.clusters:
         at -= len(cluster)
         if len(cluster) >= max(3, len(order) // 18):
-            groups.append((at + len(cluster) / 2, take.labels[cluster[len(cluster) // 2]]))
+            groups.append((at + len(cluster) / 2, short(take.labels[cluster[len(cluster) // 2]])))
     shade = curves.speed_map(take, np.array(order[::-1], dtype=int), 1200)
     return OverviewValues(
         duration_s=take.duration_s,

@@ -17,9 +17,10 @@ from markermend.repairing import Repair
 from markermend.review import Accept, Choose, Command, Defer, Judgement, Reclassify, Reject, Review
 from markermend.review.queue import damage, worst_first
 from markermend.review.session import Change, ReviewSession
-from markermend_app.state import exporting, previews
-from markermend_app.state.values import OverviewValues, SpanMark
+from markermend_app.state import exporting
 from markermend_app.state.jobs import Jobs, Schedule, Ticket
+from markermend_app.state.previews import Preview, compute, recommended
+from markermend_app.state.values import OverviewValues, SpanMark
 from markermend_app.state.workspace import Opened, Workspace
 
 ZOOMS = ("span", "5 s", "take")
@@ -37,7 +38,7 @@ class Asked:
     rate: float | None = None
 
 
-class Desk(param.Parameterized):
+class Desk(param.Parameterized):  # type: ignore[misc]  # param has no types
     """View-model of the page."""
 
     opened: Opened | None = param.Parameter(doc="The take at hand with its findings and body.")
@@ -45,8 +46,9 @@ class Desk(param.Parameterized):
     findings: tuple[Finding, ...] = param.Parameter((), doc="What there is to look at now.")
     selected: str = param.String("", doc="Id of the finding at hand.")
     kinds: frozenset[Kind] = param.Parameter(frozenset(KINDS), doc="Kinds that the queue lists.")
-    previews: tuple[previews.Preview, ...] = param.Parameter((), doc="Repairs of the selected.")
+    previews: tuple[Preview, ...] = param.Parameter((), doc="Repairs of the selected.")
     chosen: str = param.String("", doc="Name of the repair chosen for the selected finding.")
+    best: str = param.String("", doc="Name of the repair that is recommended here.")
     frame: int = param.Integer(0, bounds=(0, None))
     window: tuple[float, float] = param.Parameter((0.0, 1.0), doc="Seconds that the lanes show.")
     zoom: str = param.Selector(default="span", objects=list(ZOOMS))
@@ -76,7 +78,7 @@ class Desk(param.Parameterized):
         """Open a take in the background."""
         self.param.update(busy=f"Opening {path.name}", message="", dialog="", asked=None)
 
-        def work(ticket: Ticket) -> Opened | Asked:
+        def work(ticket: Ticket) -> Opened | Asked | str:
             def report(step: str) -> None:
                 ticket.tell(lambda: self.param.update(busy=f"{step}: {path.name}"))
 
@@ -84,10 +86,15 @@ class Desk(param.Parameterized):
                 return self.workspace.open(path, units, rate, report)
             except Lacking as lack:
                 return Asked(path, lack.what, str(lack), units, rate)
+            except MarkerMendError as refusal:
+                return f"{path.name}: {refusal}"
 
         self.jobs.run("open", work, self._opened)
 
-    def _opened(self, result: Opened | Asked) -> None:
+    def _opened(self, result: Opened | Asked | str) -> None:
+        if isinstance(result, str):
+            self.fail(result)
+            return
         if isinstance(result, Asked):
             self.param.update(busy="", asked=result, dialog="ask")
             return
@@ -112,7 +119,8 @@ class Desk(param.Parameterized):
         """Open findings of the kinds listed, worst first; those set aside come last."""
         if self.opened is None:
             return ()
-        order = worst_first(self.review, self.findings, self.opened.take.rate)
+        take = self.opened.take
+        order = worst_first(self.review, self.findings, take.rate, n_frames=take.n_frames)
         listed = [
             f
             for f in order
@@ -151,7 +159,7 @@ class Desk(param.Parameterized):
         wanted = finding.id if isinstance(finding, Finding) else finding or ""
         found = next((f for f in self.findings if f.id == wanted), None)
         if found is None or self.opened is None:
-            self.param.update(selected="", previews=(), chosen="")
+            self.param.update(selected="", previews=(), chosen="", best="")
             return
         span = self.judged(found).span
         self.param.update(
@@ -159,6 +167,7 @@ class Desk(param.Parameterized):
             zoom="span",
             frame=span.start + len(span) // 2,
             previews=(),
+            best="",
             chosen=self.judged(found).decision.method,
         )
         self._fit_window()
@@ -244,9 +253,8 @@ class Desk(param.Parameterized):
 
     def choose_recommended(self) -> None:
         """Choose the repair that is recommended here."""
-        best = previews.recommended(self.previews)
-        if best:
-            self.choose(best)
+        if self.best:
+            self.choose(self.best)
 
     def _decide(self, command: Callable[[Finding], Command]) -> None:
         current = self.current
@@ -384,18 +392,23 @@ class Desk(param.Parameterized):
         finding, masked = self.judged(current), self._masked(current.id)
 
         def work(ticket: Ticket) -> None:
-            for rows in previews.compute(opened.take, finding, masked):
+            for rows in compute(opened.take, finding, masked):
                 if not ticket.valid:
                     return
                 ticket.tell(lambda rows=rows: self._previewed(rows))  # type: ignore[misc]
 
         self.jobs.run("previews", work, lambda _: None)
 
-    def _previewed(self, rows: tuple[previews.Preview, ...]) -> None:
+    def _previewed(self, rows: tuple[Preview, ...]) -> None:
+        if self.current is None:
+            return
+        judged = self.judged(self.current)
         ready = {p.name for p in rows if p.repair is not None}
-        decided = "" if self.current is None else self.judged(self.current).decision.method
-        chosen = decided if decided in ready else previews.recommended(rows)
-        self.param.update(previews=rows, chosen=chosen or self.chosen)
+        best = recommended(rows, judged.kind)
+        mine = judged.decision.method
+        self.param.update(
+            previews=rows, best=best, chosen=mine if mine in ready else best or self.chosen
+        )
 
     def _masked(self, but: str) -> tuple[tuple[str, Span], ...]:
         return tuple(

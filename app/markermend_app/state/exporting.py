@@ -126,10 +126,14 @@ def write(
     }[written.mode]
     verified = [
         how,
-        f"{written.n_changed:,} samples differ from {planned.name}, all of them in the "
-        f"{len(planned.changes)} accepted spans; none outside.",
-        f"Repaired positions read back within {written.deviation_mm:.2g} {take.units} "
-        f"(the file's own resolution is {written.resolution_mm:.2g} {take.units}).",
+        (
+            f"{written.n_changed:,} samples differ from {planned.name}, all of them in the "
+            f"{len(planned.changes)} accepted spans; none outside."
+        ),
+        (
+            f"Repaired positions read back within {written.deviation_mm:.2g} {take.units} "
+            f"(the file's own resolution is {written.resolution_mm:.2g} {take.units})."
+        ),
         f"Decisions: {beside.name}",
         f"SHA-256: {written.sha256}",
     ]

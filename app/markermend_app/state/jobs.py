@@ -45,7 +45,7 @@ class Jobs:
         except MarkerMendError as refusal:
             sentence = str(refusal)
             ticket.tell(lambda: self._failed(sentence))
-        except Exception:  # noqa: BLE001  a fault of ours must reach the operator as well as the log
+        except Exception:
             LOG.exception("%s failed", ticket.topic)
             ticket.tell(lambda: self._failed("That failed inside MarkerMend; the log says why."))
         else:
@@ -54,6 +54,10 @@ class Jobs:
     def cancel(self, topic: str) -> None:
         """Make work under way for a topic stale."""
         self._current.pop(topic, None)
+
+    def wait(self) -> None:
+        """Wait until all work handed in so far is done; its results may still be scheduled."""
+        self._pool.submit(lambda: None).result()
 
     def close(self) -> None:
         """Make everything stale and take no more work."""

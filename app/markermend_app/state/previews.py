@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from markermend.errors import CannotRepair
-from markermend.model import Span, Take
+from markermend.model import Kind, Span, Take
 from markermend.repairing import DEFAULTS, REPAIRS, Repair, repair
 from markermend.review import Judgement
 
@@ -52,12 +52,13 @@ def compute(
 ) -> Iterator[tuple[Preview, ...]]:
     """Yield all rows again and again, one more of them computed each time.
 
-    The defaults of the kind come first; ``leave`` is always last.
+    The defaults of the kind come first; ``leave`` stands last and is there at once.
     """
     first = DEFAULTS[judged.kind]
     rest = [name for name in REPAIRS.names() if name not in (*first, "leave")]
     rows = [Preview(name, REPAIRS.get(name).title) for name in (*first, *rest, "leave")]
-    for at, row in enumerate(rows):
+    for at in (len(rows) - 1, *range(len(rows) - 1)):
+        row = rows[at]
         began = time.perf_counter()
         try:
             done = repair(
@@ -80,6 +81,16 @@ def compute(
         yield tuple(rows)
 
 
-def recommended(rows: Sequence[Preview]) -> str:
-    """Give the name of the first of the kind's defaults that applies, or an empty one."""
-    return next((row.name for row in rows if row.repair is not None), "")
+def recommended(rows: Sequence[Preview], kind: Kind) -> str:
+    """Give the first of the kind's defaults that applies; where none does, leave the gap.
+
+    Empty as long as that is not known.
+    """
+    state = {row.name: row for row in rows}
+    for name in (*DEFAULTS[kind], "leave"):
+        row = state.get(name)
+        if row is None or row.pending:
+            return ""
+        if row.repair is not None:
+            return name
+    return ""

@@ -3,7 +3,7 @@
 from html import escape
 from itertools import groupby
 
-from markermend_app.keys import SHORTCUTS
+from markermend_app.keys import SHORTCUTS, printed
 from markermend_app.state.desk import Desk
 from markermend_app.state.exporting import Plan
 from markermend_app.style.kinds import glyph
@@ -17,7 +17,10 @@ def render(desk: Desk) -> str:
     made = {"help": _help, "export": _export, "exported": _exported, "ask": _ask}.get(desk.dialog)
     if made is None:
         return ""
-    return f'<div class="scrim"><div class="dialog" role="dialog" aria-modal="true" data-form>{made(desk)}</div></div>'
+    return (
+        '<div class="scrim"><div class="dialog" role="dialog" aria-modal="true" data-form>'
+        f"{made(desk)}</div></div>"
+    )
 
 
 def _footer(*buttons: str) -> str:
@@ -33,7 +36,7 @@ def _help(desk: Desk) -> str:
     sections = []
     for group, shortcuts in groupby(SHORTCUTS, key=lambda s: s.group):
         lines = "".join(
-            f"<div><span>{' '.join(f'<kbd>{escape(_printed(k))}</kbd>' for k in s.keys)}</span>"
+            f"<div><span>{' '.join(f'<kbd>{escape(printed(k))}</kbd>' for k in s.keys)}</span>"
             f"<span>{escape(s.does)}</span></div>"
             for s in shortcuts
         )
@@ -43,12 +46,6 @@ def _help(desk: Desk) -> str:
         f"{kbd('undo')} takes anything back.</p></header>"
         f'<div class="body keys">{"".join(sections)}</div>' + _footer(_close("Close"))
     )
-
-
-def _printed(key: str) -> str:
-    names = {" ": "Space", "ArrowLeft": "←", "ArrowRight": "→", "Escape": "Esc"}
-    *modifiers, name = key.split("+") if len(key) > 1 else [key]
-    return "+".join([*modifiers, names.get(name, name.upper() if len(name) == 1 else name)])
 
 
 def _export(desk: Desk) -> str:
@@ -71,14 +68,17 @@ def _export(desk: Desk) -> str:
     share = 100 * plan.n_changed / max(1, plan.n_samples)
     return (
         f"<header><h1>Export {escape(plan.name)}</h1><p><b>{plan.n_changed:,}</b> of "
-        f"{plan.n_samples:,} samples will change ({share:.2g} %). {escape(plan.promise)}</p></header>"
+        f"{plan.n_samples:,} samples will change ({share:.2g} %). {escape(plan.promise)}</p>"
+        "</header>"
         f'<div class="body two"><div><div class="sums">{sums}</div>{_changes(plan)}</div>'
         f'<div><label>File<input type="text" name="target" value="{escape(str(plan.target))}" '
         f'spellcheck="false" data-autofocus></label>'
         '<label class="check"><input type="checkbox" name="overwrite"> Replace the file if it is '
-        f"there</label><p class=\"quiet\">The decisions go beside it as JSON.</p>{shown}</div></div>"
+        'there</label><p class="quiet">The decisions go beside it as JSON.</p>'
+        f"{shown}</div></div>"
         + _footer(
-            '<span class="push quiet">After writing, both files are read again and compared.</span>',
+            '<span class="quiet">After writing, both files are read again and compared.</span>',
+            '<span class="push"></span>',
             _close("Back"),
             button("export_write", "Export and verify", classes="deed primary", key=False,
                    disabled=bool(desk.busy)),

@@ -1,5 +1,15 @@
-// What belongs to the whole document and not to a part of it: theme, title, the clock in the
-// transport, which moves with every frame without asking Python.
+// What belongs to the whole document and not to a part of it: theme, title, and the clock and
+// scrubber of the transport, which follow every frame without asking Python.
+function findDeep(node, selector) {
+  const found = node.querySelector(selector);
+  if (found) return found;
+  for (const child of node.querySelectorAll("*")) {
+    const deep = child.shadowRoot && findDeep(child.shadowRoot, selector);
+    if (deep) return deep;
+  }
+  return null;
+}
+
 export function render({ model, el }) {
   el.style.display = "none";
   const theme = () => { document.documentElement.dataset.theme = model.theme; };
@@ -9,38 +19,24 @@ export function render({ model, el }) {
   theme();
   title();
 
+  let transport = null;
   const clock = ({ detail }) => {
-    const host = document.querySelector(".cell-transport");
-    const root = host?.querySelector("[data-root-id], .bk-panel-models-esm-ReactiveESM, div");
-    const find = (node, selector) => {
-      if (!node) return null;
-      const found = node.querySelector?.(selector);
-      if (found) return found;
-      for (const child of node.querySelectorAll?.("*") ?? []) {
-        if (child.shadowRoot) {
-          const deep = find(child.shadowRoot, selector);
-          if (deep) return deep;
-        }
-      }
-      return null;
-    };
-    const time = find(host ?? root, "[data-time]");
+    if (!transport?.isConnected) {
+      transport = findDeep(document.querySelector(".cell-transport"), ".transport");
+    }
+    const time = transport?.querySelector("[data-time]");
     if (!time) return;
     time.textContent = `${detail.time.toFixed(2)} s`;
-    const part = time.closest(".transport");
-    part.querySelector("[data-frame]").textContent = `frame ${detail.frame + model.first_frame}`;
-    const slider = part.querySelector("input[type=range]");
-    if (part.getRootNode().activeElement !== slider || detail.playing) slider.value = detail.frame;
+    transport.querySelector("[data-frame]").textContent = `frame ${detail.frame + model.first_frame}`;
+    transport.querySelector("input[type=range]").value = detail.frame;
+  };
+  const slide = (event) => {
+    const slider = event.composedPath()[0];
+    if (!slider.matches?.(".transport input[type=range]")) return;
+    const detail = { frame: Number(slider.value) };
+    window.dispatchEvent(new CustomEvent("markermend:seek", { detail }));
   };
   window.addEventListener("markermend:frame", clock);
-  const slide = (event) => {
-    const target = event.composedPath()[0];
-    if (target.matches?.(".transport input[type=range]")) {
-      window.dispatchEvent(
-        new CustomEvent("markermend:seek", { detail: { frame: Number(target.value) } }),
-      );
-    }
-  };
   window.addEventListener("input", slide, true);
   model.on("remove", () => {
     window.removeEventListener("markermend:frame", clock);

@@ -26,8 +26,8 @@ def render(desk: Desk) -> str:
         share = 100 * counts.settled / counts.total
         progress = (
             f'<span class="num"><b>{counts.settled}</b> of {counts.total} settled</span>'
-            f'<span class="bar" role="progressbar" aria-valuenow="{share:.0f}" aria-label="settled">'
-            f'<i style="width:{share:.1f}%"></i></span>'
+            f'<span class="bar" role="progressbar" aria-valuenow="{share:.0f}" '
+            f'aria-label="settled"><i style="width:{share:.1f}%"></i></span>'
         )
     if desk.busy:
         progress = f'<span role="status">{escape(desk.busy)} …</span>'

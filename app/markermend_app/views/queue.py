@@ -9,7 +9,7 @@ import param
 from panel.custom import JSComponent
 
 from markermend import curves
-from markermend.model import Finding
+from markermend.model import Finding, short
 from markermend_app.state.desk import Desk
 from markermend_app.style.kinds import KIND_STYLES, glyph
 from markermend_app.style.sheet import STYLESHEET
@@ -23,7 +23,7 @@ VERDICT_WORDS = {"accepted": "Accepted", "rejected": "False alarm", "deferred": 
 def head(desk: Desk) -> str:
     """Give the head of the queue: how many are open, and a filter by kind."""
     queue = [f for f in desk.findings if not desk.review.decision(f).settled]
-    of_kind = {kind: 0 for kind in KIND_STYLES}
+    of_kind = dict.fromkeys(KIND_STYLES, 0)
     for finding in queue:
         of_kind[desk.judged(finding).kind] += 1
     chips = "".join(
@@ -62,6 +62,11 @@ def _empty(desk: Desk, n_open: int) -> str:
         clear = button("filter_kind", "Clear filter", classes="tool boxed", arg=kind, key=False)
         return f'<div class="empty">No open {kind} findings.{clear}</div>'
     return ""
+
+
+def _marker(finding: Finding, aside: str = "") -> str:
+    whole, name = escape(finding.marker), escape(short(finding.marker))
+    return f'<span class="marker" title="{whole}">{name}{aside}</span>'
 
 
 class Queue(JSComponent):
@@ -104,7 +109,7 @@ class Queue(JSComponent):
         seconds = len(judged.span) / self._desk.opened.take.rate
         aside = icon("deferred", 12) if judged.decision.verdict == "deferred" else ""
         html = (
-            f'{glyph(judged.kind)}<span class="marker">{escape(finding.marker)}{aside}</span>'
+            f"{glyph(judged.kind)}{_marker(finding, aside)}"
             f"{self._shape(judged.as_judged)}"
             f'<span class="value">{number(finding.amplitude)}</span>'
             f'<span class="value">{seconds:.2f}</span>'
@@ -119,7 +124,7 @@ class Queue(JSComponent):
         if judged.decision.method == "leave" and verdict == "accepted":
             word, sign = "Left as gap", "left"
         html = (
-            f'{glyph(judged.kind)}<span class="marker">{escape(finding.marker)}</span>'
+            f"{glyph(judged.kind)}{_marker(finding)}"
             f'<span class="verdict">{word}{icon(sign, 13)}</span>'
         )
         return {"id": finding.id, "html": html, "settled": True}

@@ -3,7 +3,7 @@
 from html import escape
 
 from markermend_app.state.desk import Desk
-from markermend_app.state.previews import Preview, recommended
+from markermend_app.state.previews import Preview
 from markermend_app.views.markup import button, icon, kbd, number
 
 SHOWS = ("previews", "chosen", "selected")
@@ -12,8 +12,7 @@ VERDICT_SHOWS = ("previews", "chosen", "selected", "review", "findings")
 
 def render(desk: Desk) -> str:
     """Give the table: one row per method, the ones that do not apply greyed with their reason."""
-    best = recommended(desk.previews)
-    rows = "".join(_row(p, p.name == desk.chosen, p.name == best) for p in desk.previews)
+    rows = "".join(_row(p, p.name == desk.chosen, p.name == desk.best) for p in desk.previews)
     switch = f"Switch {kbd('method_previous')}{kbd('method_next')}"
     return (
         f'<div class="repairs"><div class="head"><h2>Repairs</h2>'
@@ -54,7 +53,7 @@ def verdict(desk: Desk) -> str:
     finding = desk.current
     chosen = next((p for p in desk.previews if p.name == desk.chosen), None)
     ready = chosen is not None and chosen.repair is not None
-    title = chosen.title.lower() if chosen is not None else "a repair"
+    title = _in_sentence(chosen.title) if chosen is not None else "a repair"
     decision = desk.judged(finding).decision if finding else None
     word = "Accept"
     if decision and decision.verdict == "accepted":
@@ -67,6 +66,10 @@ def verdict(desk: Desk) -> str:
         + button("defer", "Set aside", classes="deed", disabled=finding is None)
         + "</div>"
     )
+
+
+def _in_sentence(title: str) -> str:
+    return title if title[:2].isupper() else title[0].lower() + title[1:]
 
 
 def because(desk: Desk) -> str:

@@ -50,7 +50,6 @@ class SceneView {
     this.takeScene();
     this.takeFocus();
     this.takePlayback();
-    this.surround.setView(model.view, model.follow);
     this.tick = this.tick.bind(this);
     this.ticking = requestAnimationFrame(this.tick);
     this.start();
@@ -74,6 +73,7 @@ class SceneView {
     this.painter?.dispose();
     this.surround.draw.replaceChildren();
     this.use(new CanvasPainter(this.surround.draw));
+    this.surround.say("Simpler drawing: this browser has no WebGL.");
   }
 
   use(painter) {
@@ -87,7 +87,6 @@ class SceneView {
   takeScene() {
     const scene = plain(this.model.scene);
     if (!scene.n_frames || scene.id === this.take.id) return;
-    const isNew = this.take.id !== scene.id;
     this.meshes = scene.meshes;
     const lines = new Uint32Array(scene.meshes.skeleton.lines ?? 0);
     this.take = { ...scene, bones: lines.filter((_, k) => k % 3 > 0) }; // each line: 2, from, to
@@ -97,7 +96,7 @@ class SceneView {
     this.picture.resize(this.take.n_markers);
     this.player.set({ nFrames: this.take.n_frames, rate: this.take.rate });
     this.player.seek(this.model.frame);
-    this.cameraDue = isNew;
+    this.cameraDue = true;
     this.drawnFrame = -1;
     this.painter?.setScene(this.meshes, this.take);
     this.wantAround(this.player.frame);
@@ -135,6 +134,11 @@ class SceneView {
     this.dirty = true;
   }
 
+  takeView() {
+    this.cameraDue ||= this.model.view !== "free";
+    this.dirty = true;
+  }
+
   takeFrame() {
     if (this.model.frame !== this.reported) this.seek(this.model.frame, false);
   }
@@ -152,7 +156,8 @@ class SceneView {
     on(["colours"], this.takeColours);
     on(["playing", "speed", "loop"], this.takePlayback);
     on(["frame"], this.takeFrame);
-    on(["view", "follow"], () => this.setView(model.view));
+    on(["view"], this.takeView);
+    on(["follow"], () => (this.dirty = true));
     on(["msg:custom"], (message) => this.receive(plain(message)));
     on(["remove"], this.remove);
     this.resizing = new ResizeObserver(() => this.resize());
@@ -165,17 +170,11 @@ class SceneView {
       },
       onPlay: (playing) => (model.playing = playing ?? !model.playing),
     });
-    for (const button of this.surround.views) {
-      button.onclick = () => {
-        if (model.view === button.dataset.view) this.setView(model.view);
-        else model.view = button.dataset.view;
-      };
-    }
-    this.surround.follow.onclick = () => (model.follow = !model.follow);
     this.listenToPointer(this.surround.draw);
   }
 
   listenToPointer(draw) {
+    const { model } = this;
     let last = null, travelled = 0;
     draw.addEventListener("pointerdown", (event) => {
       draw.setPointerCapture(event.pointerId);
@@ -192,7 +191,7 @@ class SceneView {
         this.camera.pan(dx, dy);
       } else {
         this.camera.orbit(dx, dy);
-        this.freeView();
+        if (model.view !== "free") model.view = "free";
       }
       this.dirty = true;
     });
@@ -216,20 +215,6 @@ class SceneView {
     this.selected = marker; // seen at once; Python says the same a moment later
     this.dirty = true;
     this.model.send_msg({ type: "pick", take: this.take.id, marker });
-  }
-
-  freeView() {
-    this.freed = true;
-    if (this.model.view !== "free") this.model.view = "free";
-  }
-
-  setView(view) {
-    this.surround.setView(view, this.model.follow);
-    if (view !== this.view && view !== "free") this.cameraDue = true;
-    else if (view !== "free" && this.freed) this.cameraDue = true;
-    this.view = view;
-    this.freed = false;
-    this.dirty = true;
   }
 
   seek(frame, tell) {
@@ -305,7 +290,7 @@ class SceneView {
     surround.setLegend(picture, this.colours);
     const label = this.take.labels[picture.selected] ?? "";
     surround.placeLabel(picture, camera, label);
-    const lens = Boolean(this.focus) && this.focus.marker === this.selected;
+    const lens = this.focus?.marker === this.selected && Lens.aim(picture) !== null;
     surround.lens.hidden = !lens;
     if (lens) this.lens.paint(picture, camera, this.colours, this.ratio);
     this.drawn++;

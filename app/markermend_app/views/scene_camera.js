@@ -2,6 +2,8 @@
 export const MIN_ELEVATION = -0.15;
 export const MAX_ELEVATION = Math.PI / 2 - 0.01;
 
+const LEFT_OF_CENTRE = 0.05; // of the width: the lens is at the right
+
 export const cross = (a, b) => [
   a[1] * b[2] - a[2] * b[1],
   a[2] * b[0] - a[0] * b[2],
@@ -32,9 +34,10 @@ export class OrbitCamera {
     this.right = [-Math.sin(a), Math.cos(a), 0];
     this.up = cross(back, this.right);
     this.back = back;
-    this.focal = [0, 1, 2].map((i) => this.target[i] + this.offset[i]);
-    this.position = [0, 1, 2].map((i) => this.focal[i] + this.distance * back[i]);
     this.pixels = this.height / 2 / Math.tan(this.angle / 2); // pixels for a slope of 1
+    const aside = LEFT_OF_CENTRE * this.width * this.millimetres(this.distance);
+    this.focal = [0, 1, 2].map((i) => this.target[i] + this.offset[i] + aside * this.right[i]);
+    this.position = [0, 1, 2].map((i) => this.focal[i] + this.distance * back[i]);
   }
 
   // Screen x and y in CSS pixels, and depth along the view; written into `out` at `at`.

@@ -115,7 +115,7 @@ export class CanvasPainter {
     const [x, y, depth] = picture.screen.subarray(3 * i, 3 * i + 3);
     const radius = picture.radius(i, camera) / camera.millimetres(depth);
     if (i === picture.selected) {
-      this.circle(x, y, radius, css(colours.accent), css(colours.panel), 1.5);
+      this.circle(x, y, radius, css(colours.accent), css(picture.inSpan ? picture.colour : colours.panel), 2);
       return;
     }
     this.circle(x, y, radius, css(mix(colours.marker, colours.view, picture.fade[i], [])));

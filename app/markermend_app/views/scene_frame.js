@@ -1,20 +1,13 @@
 import { css } from "./scene_colour.js";
+import { GRID_MM, MAGNIFIED } from "./scene_lens.js";
 
-// What stands around the drawing: buttons, label, legend, lens, and one line when it cannot draw.
+// What stands around the drawing: the label, the legend, the lens, and a line where WebGL is missing.
 const STYLE = `
 .scene{position:absolute;inset:0;overflow:hidden;font:12px Roboto,system-ui,sans-serif;
   background:var(--view);color:var(--ink2);user-select:none}
 .draw{position:absolute;inset:0;touch-action:none;cursor:grab}
 .draw:active{cursor:grabbing}
 .draw>*{position:absolute!important;inset:0;width:100%!important;height:100%!important}
-.views{position:absolute;right:10px;top:10px;display:flex;gap:8px}
-.views span{display:flex;border:1px solid var(--line2);border-radius:5px;background:var(--panel)}
-.views button{font:inherit;color:var(--ink2);background:none;border:0;border-radius:4px;
-  padding:4px 9px;cursor:pointer}
-.views button:hover{background:var(--hover)}
-.views button[aria-pressed=true]{color:var(--ink);font-weight:700;background:var(--soft)}
-.views button.follow[aria-pressed=true]{box-shadow:0 0 0 1px var(--accent)}
-button:focus-visible{outline:2px solid var(--accent);outline-offset:1px}
 .label{position:absolute;left:0;top:0;font-weight:700;color:var(--ink);white-space:nowrap;
   pointer-events:none;text-shadow:0 0 2px var(--view),0 0 2px var(--view),0 0 4px var(--view)}
 .legend{position:absolute;left:12px;bottom:10px;display:flex;flex-direction:column;gap:5px;
@@ -25,20 +18,15 @@ button:focus-visible{outline:2px solid var(--accent);outline-offset:1px}
   pointer-events:none}
 .lens canvas{width:100%;height:100%;display:block}
 .lens em{position:absolute;font-style:normal;font-size:11px;color:var(--ink3)}
-.note{position:absolute;left:12px;top:12px;color:var(--ink2)}
+.note{position:absolute;left:12px;top:10px;color:var(--ink2)}
 [hidden]{display:none!important}`;
 
 const MARKUP = `
 <div class="draw" role="img"></div>
 <div class="label" hidden></div>
-<div class="views"><span role="group" aria-label="View from">
-<button type="button" data-view="front">Front</button>
-<button type="button" data-view="side">Side</button>
-<button type="button" data-view="top">Top</button></span>
-<span><button type="button" class="follow">Follow</button></span></div>
 <div class="legend"></div>
 <div class="lens" hidden><canvas aria-hidden="true"></canvas>
-<em style="left:7px;top:4px">8 ×</em><em style="right:7px;bottom:5px">grid ${20} mm</em></div>
+<em style="left:7px;top:4px">${MAGNIFIED} ×</em><em style="right:7px;bottom:5px">grid ${GRID_MM} mm</em></div>
 <div class="note" role="status" hidden></div>`;
 
 const symbol = (inside) => `<svg width="12" height="12" aria-hidden="true">${inside}</svg>`;
@@ -55,21 +43,12 @@ export class Surround {
     this.legend = find(".legend");
     this.lens = find(".lens");
     this.note = find(".note");
-    this.follow = find(".follow");
-    this.views = [...this.root.querySelectorAll("[data-view]")];
   }
 
   setColours(colours) {
     for (const [name, value] of Object.entries(colours)) {
       this.root.style.setProperty(`--${name}`, value);
     }
-  }
-
-  setView(view, follow) {
-    for (const button of this.views) {
-      button.setAttribute("aria-pressed", button.dataset.view === view);
-    }
-    this.follow.setAttribute("aria-pressed", follow);
   }
 
   say(sentence) {

@@ -1,13 +1,18 @@
 import { css } from "./scene_colour.js";
 
 // The selected marker magnified, since an artefact is one percent of a body.
-const MAGNIFIED = 8;
-const GRID_MM = 20;
+export const MAGNIFIED = 8;
+export const GRID_MM = 20;
 
 export class Lens {
   constructor(canvas) {
     this.canvas = canvas;
     this.pen = canvas.getContext("2d");
+  }
+
+  // Where to look: at the marker, else at its raw place, else nowhere.
+  static aim({ seen, selected, xyz, ghost }) {
+    return seen[selected] ? xyz.subarray(3 * selected, 3 * selected + 3) : ghost;
   }
 
   paint(picture, camera, colours, ratio) {
@@ -20,9 +25,7 @@ export class Lens {
     pen.clearRect(0, 0, width, height);
 
     const { selected } = picture;
-    const at = picture.seen[selected] ? picture.xyz.subarray(3 * selected, 3 * selected + 3)
-      : picture.ghost;
-    if (!at) return;
+    const at = Lens.aim(picture);
     const centre = [0, 0, 0];
     camera.project(...at, centre);
     const perMm = MAGNIFIED / camera.millimetres(centre[2]);

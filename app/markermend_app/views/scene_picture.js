@@ -66,9 +66,9 @@ export class Picture {
     this.neighbours = shown ? shown.neighbours : [];
     this.colour = shown?.colour;
     this.hasRaw = Boolean(shown?.raw);
+    this.inSpan = Boolean(shown) && frame >= focus.start && frame < focus.stop;
     this.ghost = null;
-    if (this.hasRaw && frame >= focus.start && frame < focus.stop &&
-        this.rawAt(scene, frame, this.point)) {
+    if (this.hasRaw && this.inSpan && this.rawAt(scene, frame, this.point)) {
       this.ghost = [...this.point];
     }
     this.composeTrails(scene, frame);

@@ -111,7 +111,9 @@ function polydata(vtk, { points, polys, lines }, isTube = false) {
 
 export class WebGLPainter {
   static available() {
-    return Boolean(document.createElement("canvas").getContext("webgl2"));
+    const context = document.createElement("canvas").getContext("webgl2");
+    context?.getExtension("WEBGL_lose_context")?.loseContext(); // browsers allow few at a time
+    return context !== null;
   }
 
   constructor(vtk, host, onLost) {
@@ -244,7 +246,7 @@ export class WebGLPainter {
       ring(picture.xyz[3 * i], picture.xyz[3 * i + 1], picture.xyz[3 * i + 2], radius, colour);
     };
     for (const i of picture.neighbours) around(i, 3.5, colours.ink);
-    around(picture.selected, 2, colours.panel);
+    around(picture.selected, 2, picture.inSpan ? picture.colour : colours.panel);
     if (picture.ghost) {
       const depth = picture.seen[picture.selected]
         ? picture.screen[3 * picture.selected + 2] : camera.distance;

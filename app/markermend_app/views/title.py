@@ -2,6 +2,7 @@
 
 from html import escape
 
+from markermend.model import short
 from markermend.review.explain import why
 from markermend_app.state.desk import Desk
 from markermend_app.style.kinds import KIND_STYLES, glyph
@@ -38,7 +39,7 @@ def render(desk: Desk) -> str:
     sentence = escape(why(take, desk.opened.mesh, finding))
     return (
         f'<div class="title"><div class="what"><h1>{glyph(finding.kind, 20)}'
-        f"{escape(finding.marker)} <span>{finding.kind}</span></h1>"
+        f"{escape(short(finding.marker))} <span>{finding.kind}</span></h1>"
         f'<span class="facts num">{" · ".join(facts)}</span></div>'
         f'<div class="choice" role="group" aria-label="Kind">{classes}</div>'
         f'<p class="why" title="{sentence}">{sentence}</p></div>'
@@ -61,13 +62,14 @@ def legend(desk: Desk) -> str:
     raw = stroke(f'stroke="var(--{kind})" stroke-width="2"')
     line = stroke('stroke="var(--accent)" stroke-width="2.5"')
     dashed = stroke('stroke="var(--ink3)" stroke-width="1.1" stroke-dasharray="5 4"')
+    on = "tool on" if desk.raw_only else "tool"
+    raw_only = button("raw_only", "Raw only", pressed=desk.raw_only, classes=on)
+    zoom = button("zoom", f"Zoom: {escape(desk.zoom)}")
     others = f'<span class="small-out">{dashed}Other repairs</span>'
     return (
         f'<div class="legend"><span>{raw}Recorded</span>'
         f"<span>{line}<b>{escape(chosen)}</b></span>{others}"
-        f'<span class="push">'
-        f"{button('raw_only', 'Raw only', pressed=desk.raw_only, classes='tool' + (' on' if desk.raw_only else ''))}"
-        f"{button('zoom', f'Zoom: {escape(desk.zoom)}')}</span></div>"
+        f'<span class="push">{raw_only}{zoom}</span></div>'
     )
 
 
@@ -78,6 +80,6 @@ def overview_head(desk: Desk) -> str:
     return (
         '<div class="overview-head"><b>All markers</b><span class="small-out">shade: speed</span>'
         f'<span class="push"></span>{kinds}<span>'
-        '<svg width="14" height="9" viewBox="0 0 14 9" aria-hidden="true"><rect x="1" y="1" width="12" '
-        'height="7" fill="none" stroke="currentColor"/></svg>Settled</span></div>'
+        '<svg width="14" height="9" viewBox="0 0 14 9" aria-hidden="true"><rect x="1" y="1" '
+        'width="12" height="7" fill="none" stroke="currentColor"/></svg>Settled</span></div>'
     )

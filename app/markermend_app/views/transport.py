@@ -3,7 +3,7 @@
 from markermend_app.state.desk import VIEWS, Desk
 from markermend_app.views.markup import button, icon
 
-SHOWS = ("opened", "selected", "frame", "playing", "looping", "speed", "review")
+SHOWS = ("opened", "selected", "playing", "looping", "speed", "review")
 VIEW_SHOWS = ("view", "following")
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
 
@@ -30,7 +30,7 @@ def render(desk: Desk) -> str:
     )
     number = desk.frame + take.first_frame
     return (
-        f'<div class="transport"><div class="scrub">{mark}<input type="range" data-do="seek" '
+        f'<div class="transport"><div class="scrub">{mark}<input type="range" '
         f'aria-label="Frame" min="{first}" max="{last}" step="1" value="{desk.frame}"></div>'
         '<div class="buttons">'
         + button("frame_back", icon("back"), title="One frame back")

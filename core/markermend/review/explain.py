@@ -1,7 +1,7 @@
 """One sentence that says why a finding is there, in the marker's own numbers."""
 
 from markermend.body import Body
-from markermend.model import Finding, Take
+from markermend.model import Finding, Take, short
 
 
 def why(take: Take, mesh: Body, finding: Finding) -> str:
@@ -17,18 +17,18 @@ def why(take: Take, mesh: Body, finding: Finding) -> str:
     seconds = len(finding.span) / take.rate
     unit = take.units
     size = "" if finding.amplitude is None else f"{_round(finding.amplitude)} {unit}"
-    near = _named([take.labels[m] for m in mesh.neighbours(finding.marker, 3)])
+    near = _named([short(take.labels[m]) for m in mesh.neighbours(finding.marker, 3)])
     if finding.kind == "gap":
         span = finding.span
         seen = [
-            take.labels[m]
+            short(take.labels[m])
             for m in mesh.neighbours(finding.marker)
             if take.seen[span.frames, m].all()
         ][:3]
         rest = f"{_named(seen)} stay visible" if seen else "none of its neighbours stays visible"
         return f"Not seen for {seconds:.2f} s; {rest}."
     if finding.partner is not None:
-        return f"Changes places with {finding.partner} for {seconds:.2f} s and back."
+        return f"Changes places with {short(finding.partner)} for {seconds:.2f} s and back."
     sentence = {
         "peak": f"Leaves its path by {size or 'a spike'} for {len(finding.span)} frames and returns",
         "noise": f"Scatters {size or 'widely'} around its path for {seconds:.2f} s",

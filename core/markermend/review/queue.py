@@ -41,10 +41,12 @@ def worst_first(
     detected: Iterable[Finding],
     rate: float,
     expected_mm: Mapping[str, float] | None = None,
+    n_frames: int | None = None,
 ) -> tuple[Finding, ...]:
     """Order all live findings of a review by expected damage; the order is total and repeatable.
 
-    Verdicts do not matter: deciding moves nothing.
+    Verdicts do not matter: deciding moves nothing. Gaps that reach the beginning or the end of the
+    take come last: there the marker was outside the volume, and few of them are ever filled.
 
     Parameters
     ----------
@@ -54,13 +56,17 @@ def worst_first(
         Hz.
     expected_mm
         Finding id -> error of its best repair, as far as known.
+    n_frames
+        Length of the take, if gaps at its ends are to come last.
     """
     known = expected_mm or {}
 
-    def rank(finding: Finding) -> tuple[float, str, int, str]:
+    def rank(finding: Finding) -> tuple[bool, float, str, int, str]:
         judged = review.judgement(finding).as_judged
         size = damage(judged, rate, known.get(finding.id))
-        return -size, finding.marker, judged.span.start, finding.id
+        outside = judged.span.start == 0 or judged.span.stop == n_frames
+        at_end = n_frames is not None and judged.kind == "gap" and outside
+        return at_end, -size, finding.marker, judged.span.start, finding.id
 
     return tuple(sorted(review.live(detected), key=rank))
 

@@ -1,0 +1,84 @@
+"""A small take with known artefacts, and a desk without a screen."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import markermend as mm
+from markermend.review.store import Store
+from markermend_app.state.desk import Desk
+from markermend_app.state.workspace import Workspace
+
+
+def made_take() -> mm.Take:
+    """Two stiff groups of markers that swing; one gap, one spike, one unlabelled trajectory."""
+    rng = np.random.default_rng(7)
+    t = np.arange(600) / 100
+    centres = np.stack(
+        [
+            np.column_stack([300 * np.sin(2 * t), 100 * np.cos(3 * t), 900 + 40 * np.sin(4 * t)]),
+            np.column_stack([260 * np.sin(2 * t + 1), 80 * np.sin(t), 400 + 60 * np.cos(3 * t)]),
+        ]
+    )
+    offsets = rng.normal(0, 90, (10, 3))
+    positions = np.stack([centres[i // 5] + offsets[i] for i in range(10)], axis=1)
+    positions += rng.normal(0, 0.1, positions.shape)
+    positions[200:240, 2] = np.nan
+    positions[400, 6] += (25, -10, 5)
+    labels = [f"M{i}" for i in range(9)] + ["*10"]
+    return mm.Take(positions, 100, labels)
+
+
+class Ticks:
+    """Collects what a page would do in its next tick, and does it when told."""
+
+    def __init__(self) -> None:
+        self.waiting: list[Callable[[], None]] = []
+
+    def __call__(self, task: Callable[[], None]) -> None:
+        self.waiting.append(task)
+
+    def run(self) -> None:
+        """Do what is waiting, in order."""
+        while self.waiting:
+            self.waiting.pop(0)()
+
+
+@pytest.fixture
+def take_path(tmp_path: Path) -> Path:
+    """A file with the small take."""
+    path = tmp_path / "small.c3d"
+    mm.write(made_take(), path)
+    return path
+
+
+@pytest.fixture
+def make_desk(tmp_path: Path, take_path: Path) -> Iterator[Callable[[], tuple[Desk, Ticks]]]:
+    """Give a function that opens the small take on a new desk, as a new page would."""
+    stores: list[Store] = []
+    desks: list[Desk] = []
+
+    def make() -> tuple[Desk, Ticks]:
+        stores.append(Store(tmp_path / "store.sqlite"))
+        ticks = Ticks()
+        desk = Desk(Workspace(stores[-1], (take_path,)), ticks)
+        desks.append(desk)
+        desk.open(take_path)
+        settle(desk, ticks)
+        return desk, ticks
+
+    yield make
+    for desk in desks:
+        desk.close()
+    for store in stores:
+        store.close()
+
+
+def settle(desk: Desk, ticks: Ticks) -> None:
+    """Wait for all work that is under way, and show it."""
+    desk.jobs.wait()
+    ticks.run()
+    desk.jobs.wait()
+    ticks.run()
