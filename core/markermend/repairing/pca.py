@@ -29,16 +29,17 @@ class Settings:
 
 
 def centred(cut: Window) -> FloatArray:
-    """Subtract the mean of the markers that are seen throughout, where there are any.
+    """Give what to subtract so that the data moves with the body.
 
     Returns
     -------
-    (n_frames, n_dims) mm: what was subtracted.
+    (n_frames, n_dims) mm: the mean of the markers that are seen throughout; where none is, the
+    mean of all that is seen, the same for every frame.
     """
     complete = cut.seen.all(axis=0)
-    if not complete.any():
-        return np.zeros((cut.n_frames, cut.n_dims))
-    return np.asarray(cut.positions[:, complete].mean(axis=1))
+    if complete.any():
+        return np.asarray(cut.positions[:, complete].mean(axis=1))
+    return np.tile(cut.positions[cut.seen].mean(axis=0), (cut.n_frames, 1))
 
 
 def mean_distances(positions: FloatArray, marker: int) -> FloatArray:

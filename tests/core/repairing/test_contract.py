@@ -18,6 +18,7 @@ NO_ROTATION = {
     "pchip": "monotone along each axis",
     **dict.fromkeys(("li", "lpr", "glr", "lgrnn", "pma"), "smooths by the median of each axis"),
     **dict.fromkeys(("wpca", "pca_r1"), "scales each axis to unit variance"),
+    "slr": "sums the frequencies of each axis",
 }
 NO_SHIFT: dict[str, str] = {}
 NO_REVERSAL = {
