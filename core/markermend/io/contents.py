@@ -176,8 +176,8 @@ def seen_only(
     warnings = []
     if absurd.any():
         warnings.append(
-            f"{absurd.sum()} samples have coordinates that are infinite, half missing or farther "
-            f"than {FARTHEST:.0e} and count as not seen."
+            "Samples with coordinates that are infinite, half missing or farther than "
+            f"{FARTHEST:.0e} count as not seen: {absurd.sum()}."
         )
     if positions.size and np.isnan(clean).all():
         warnings.append("No marker is seen in any frame.")

@@ -3,10 +3,12 @@
 import contextlib
 import os
 import secrets
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
 from markermend.errors import CannotWrite
+from markermend.io.folder import is_packed, pack_folder, unpack
 
 
 def write_whole(
@@ -16,7 +18,7 @@ def write_whole(
     overwrite: bool,
     check: Callable[[Path], None] = lambda written: None,
 ) -> None:
-    """Write a file under a temporary name beside its target, check it, then rename it.
+    """Write a file, or a packed folder, under a temporary name, check it, then rename it.
 
     Whatever interrupts this leaves the old file or the new one, whole.
 
@@ -37,10 +39,12 @@ def write_whole(
     refuse_existing(path, overwrite=overwrite)
     temporary = path.with_name(f".{secrets.token_hex(8)}.part")
     try:
-        with temporary.open("xb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
+        if is_packed(data):
+            temporary.mkdir()
+            for name, content in unpack(data):
+                _write_synced(temporary / name, content)
+        else:
+            _write_synced(temporary, data)
         check(temporary)
         if path.exists():
             temporary.chmod(path.stat().st_mode)
@@ -52,18 +56,27 @@ def write_whole(
         ) from None
     finally:
         with contextlib.suppress(OSError):
+            if temporary.is_dir():
+                shutil.rmtree(temporary)
             temporary.unlink(missing_ok=True)
 
 
+def _write_synced(path: Path, data: bytes | bytearray) -> None:
+    with path.open("xb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+
+
 def load(path: Path) -> bytes:
-    """Read all bytes of a file."""
-    return path.read_bytes()
+    """Read all bytes of a file, or pack a folder of files."""
+    return pack_folder(path) if path.is_dir() else path.read_bytes()
 
 
 def refuse_existing(path: Path, *, overwrite: bool) -> None:
     """Refuse a target that is a folder, or that exists and must not be replaced."""
     if path.is_dir():
-        raise CannotWrite(f"{path} is a folder; name a file in it.")
+        raise CannotWrite(f"{path} is an existing folder; choose another name.")
     if path.exists() and not overwrite:
         raise CannotWrite(f"{path} exists; choose another name or allow to overwrite it.")
 

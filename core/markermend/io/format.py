@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Protocol
 
 from markermend.errors import MarkerMendError, UnreadableTake
 from markermend.io import formats
@@ -51,17 +50,12 @@ class Patch:
     resolution: float
 
 
-class Patcher(Protocol):
-    """Changes samples in the bytes of a file and nothing else.
+Patcher = Callable[[bytes, Reading, FloatArray, BoolArray], Patch]
+"""``(data, reading, positions, changed)``: changes samples in bytes and nothing else.
 
-    ``positions`` are (n_frames, n_points, n_dims) in the file's own unit, ``changed`` is
-    (n_frames, n_points).
-    """
-
-    def __call__(
-        self, data: bytes, reading: Reading, positions: FloatArray, changed: BoolArray
-    ) -> Patch:
-        """Give the new bytes; raise CannotWrite where the format cannot hold them."""
+``positions`` are (n_frames, n_points, n_dims) in the file's own unit, ``changed`` is
+(n_frames, n_points); raises CannotWrite where the format cannot hold them.
+"""
 
 
 @dataclass(frozen=True)
@@ -104,6 +98,8 @@ class Format:
         Or None where files are always written anew.
     write
         The bytes of a take written anew, or None where the format cannot be.
+    generic
+        Whether it is only tried where nothing more special recognises a file.
     """
 
     name: str
@@ -113,12 +109,13 @@ class Format:
     open: Callable[[Path, Reading], Contents]
     patching: Patching | None = None
     write: Callable[[Take], bytes] | None = None
+    generic: bool = False
 
 
 @cache
 def all_formats() -> tuple[Format, ...]:
     """Import and return every format, our own and those of other distributions."""
-    return tuple(_found())
+    return tuple(sorted(_found(), key=lambda format_: format_.generic))
 
 
 def _found() -> Iterator[Format]:
@@ -156,6 +153,7 @@ def format_of(path: Path) -> Format:
     extension = path.suffix.lower()
     by_name = [format_ for format_ in known if extension in format_.extensions]
     by_content = [format_ for format_ in known if format_.recognises(path, head)]
+    by_name.sort(key=lambda format_: not format_.generic)  # a special one would have known it
     for format_ in (*(f for f in by_content if f in by_name), *by_content, *by_name):
         return format_
     raise UnreadableTake(
