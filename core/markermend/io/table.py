@@ -177,7 +177,7 @@ class Table:
         for row in self.rows[:: max(1, len(self.rows) // 500)]:
             cells = self.cells(row)
             for column in wanted:
-                cell = cells[column].strip() if column < len(cells) else ""
+                cell = bare(cells[column]) if column < len(cells) else ""
                 match = _NUMBER.match(cell)
                 if cell and match and float(cell):
                     most = max(most, len(match.group(2) or ""))
@@ -192,13 +192,18 @@ class Table:
             parts = self._parts(self.text.lines[self.rows[i]])[::2]
             column = int(self.columns[m, 0])
             if column < len(parts):
-                return parts[column].strip()
+                return bare(parts[column])
         return self.blank
+
+
+def bare(cell: str) -> str:
+    """Strip blanks and quotes off a cell."""
+    return cell.strip().strip('"').strip()
 
 
 def as_number(cell: str) -> float | None:
     """Read a cell with a decimal point; NaN for what means not seen, None for anything else."""
-    cell = cell.strip().strip('"').strip()
+    cell = bare(cell)
     if cell.lower() in _MISSING:
         return math.nan
     try:
@@ -227,17 +232,17 @@ def _put(parts: list[str], column: int, written: str, separator: str) -> None:
             parts += [separator, ""]
         parts[-1] = end
     old = parts[2 * column]
-    bare = old.strip()
-    if not bare:
+    core = old.strip()
+    if not core:
         end = "\r" if old.endswith("\r") else ""
         width = len(old) - len(end)
         parts[2 * column] = written.rjust(width) + end
         return
-    at = old.index(bare)
-    before, after = old[:at], old[at + len(bare) :]
-    if bare.startswith('"') and bare.endswith('"') and len(bare) > 1:
+    at = old.index(core)
+    before, after = old[:at], old[at + len(core) :]
+    if core.startswith('"') and core.endswith('"') and len(core) > 1:
         written = f'"{written}"'
-    spare = len(bare) - len(written) + len(before)
+    spare = len(core) - len(written) + len(before)
     parts[2 * column] = (" " * max(spare, 0) if before else "") + written + after
 
 

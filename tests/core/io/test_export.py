@@ -56,7 +56,7 @@ def repairs(take: Take, seed: int, n_spans: int) -> tuple[list[tuple[str, Span]]
 
 
 @pytest.mark.parametrize("name", FILES)
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), n_spans=st.integers(1, 6))
 def test_every_other_byte_is_unchanged(
     name: str, takes: Callable[[str], Take], shared: Path, seed: int, n_spans: int
