@@ -110,9 +110,8 @@ def survey(cut: Window) -> Scene:
     positions, seen = _bridged(cut)
     span = cut.span
     hull = slice(max(span.start - 1, 0), min(span.stop + 1, cut.n_frames))
-    through = seen[hull].all(axis=0)
-    through[cut.marker] = False
-    candidates = np.flatnonzero(through)
+    through = np.asarray(seen[hull].all(axis=0))
+    candidates = np.flatnonzero(through & (np.arange(len(through)) != cut.marker))
     step = max(1, cut.n_frames // MOST_FRAMES_FOR_SPREAD)
     spread, _ = distance_spread(cut.own[::step], positions[::step, candidates], least=5)
     kept: list[int] = []
@@ -126,7 +125,7 @@ def survey(cut: Window) -> Scene:
             rows = fewer
             kept.append(int(i))
     order = candidates[kept]
-    there = seen[:, order].all(axis=1)
+    there = np.asarray(seen[:, order].all(axis=1))
     return Scene(cut, order, spread[kept], positions[:, order], there)
 
 

@@ -2,30 +2,35 @@
 
 from typing import Annotated
 
-import numpy as np
-
 from markermend.errors import CannotRepair
-from markermend.model import FloatArray
+from markermend.model import KINDS, FloatArray
 from markermend.params import Within
 from markermend.registry import method
-from markermend.repairing.blend.ridge import features, ridge
+from markermend.repairing.blend.fixed import (
+    FRAME_MARKERS,
+    LENGTH_S,
+    NEIGHBOURS,
+    RIDGE_MM2,
+    regress_and_krige,
+)
 from markermend.repairing.blend.scene import scene
-from markermend.repairing.kriging import krige, matern32
 from markermend.repairing.problem import Problem
+
+LEAST_ROWS = 10
 
 
 @method(
     title="Regress locally, krige (RLK)",
-    kinds=("gap", "noise", "step", "slow", "peak"),
+    kinds=KINDS,
     source="MarkerMend: ridge regression in a Kabsch frame, residual by kriging (Matérn 3/2)",
 )
 def rlk(
     problem: Problem,
     *,
-    neighbours: Annotated[int, Within(3, 60, "markers")] = 10,
-    frame_markers: Annotated[int, Within(3, 12, "markers")] = 4,
-    ridge_mm2: Annotated[float, Within(0.001, 100, "mm²")] = 1.0,
-    length: Annotated[float, Within(0.02, 5, "s")] = 0.4,
+    neighbours: Annotated[int, Within(3, 60, "markers")] = NEIGHBOURS,
+    frame_markers: Annotated[int, Within(3, 12, "markers")] = FRAME_MARKERS,
+    ridge_mm2: Annotated[float, Within(0.001, 100, "mm²")] = RIDGE_MM2,
+    length: Annotated[float, Within(0.02, 5, "s")] = LENGTH_S,
 ) -> FloatArray:
     """Predict the marker from its neighbours' motion in their own frame, and meet both ends.
 
@@ -58,21 +63,10 @@ def rlk(
         rarely to learn from.
     """
     around = scene(problem, least=problem.n_dims)
-    rows = np.flatnonzero(around.rows)
-    if len(rows) < 10:
+    together = int(around.rows.sum())
+    if together < LEAST_ROWS:
         raise CannotRepair(
-            f"{around.window.label} and its neighbours are seen together in {len(rows)} frames "
+            f"{around.window.label} and its neighbours are seen together in {together} frames "
             "only; choose pchip."
         )
-    frames = around.frames_of(frame_markers)
-    span = around.window.span
-    z = features(around, frames, neighbours)
-    y = frames.to_local(around.window.own)
-    predicted = ridge(z[rows], y[rows], ridge_mm2)(z)
-    inside = np.arange(span.start, span.stop)
-    residual = np.zeros((len(span), problem.n_dims))
-    edge = around.boundary
-    if len(edge):
-        weights = krige(inside / problem.rate, edge / problem.rate, matern32, length)
-        residual = weights @ (y[edge] - predicted[edge])
-    return frames.at(span.frames).to_world(predicted[span.frames] + residual)
+    return regress_and_krige(around, neighbours, frame_markers, ridge_mm2, length)

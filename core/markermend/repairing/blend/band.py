@@ -1,0 +1,30 @@
+"""The 90 % band by position in a gap, from the errors on pseudo-gaps."""
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from markermend.model import FloatArray
+from markermend.repairing.blend.pseudo import PseudoGaps
+
+SHARE = 0.9
+
+
+def band_by_position(errors: FloatArray, pseudo: PseudoGaps) -> FloatArray:
+    """Give the level under which 90 % of the errors stay, growing away from the edges.
+
+    All gaps share one shape over the position, their root mean square error; the level is the
+    quantile of all errors relative to it.
+
+    Parameters
+    ----------
+    errors
+        (n_pseudo, n_inside) mm.
+
+    Returns
+    -------
+    (length,) mm.
+    """
+    shape = np.sqrt(np.square(errors).mean(axis=0))
+    shape = gaussian_filter1d(shape, max(0.04 * len(shape), 0.5), mode="nearest") + 1e-6
+    level = np.quantile(errors / shape, SHARE)
+    return np.interp(np.arange(pseudo.length), pseudo.inside, level * shape)

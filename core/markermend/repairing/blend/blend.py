@@ -1,0 +1,147 @@
+"""Choose among many predictions, and mix the best, by how they do on pseudo-gaps."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from markermend.model import FloatArray, Span
+from markermend.repairing.blend.band import band_by_position
+from markermend.repairing.blend.mixing import mix
+from markermend.repairing.blend.predictors import Family, Recipe, families
+from markermend.repairing.blend.pseudo import PseudoGaps, pseudo_gaps
+from markermend.repairing.blend.scene import Scene
+from markermend.repairing.kriging import Operator, operators
+
+FINALISTS = 12
+"""Predictions that every operator is tried on."""
+POOL = 16
+"""Pairs of prediction and operator that the mix is made from."""
+FIRST_OPERATORS = ("Hermite", "Matérn 3/2 of 0.4 s", "Matérn 5/2 of 0.1 s", "ramp")
+LEAST_PSEUDO = 6
+"""Pseudo-gaps without which nothing is chosen by them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Blend:
+    """A filled gap and what is known of its error.
+
+    Attributes
+    ----------
+    values
+        (length, n_dims) mm.
+    errors
+        (n_pseudo, n_inside) mm: errors of the same mix on the pseudo-gaps.
+    pseudo
+        The pseudo-gaps.
+    members
+        (weight, description) of what was mixed.
+    """
+
+    values: FloatArray
+    errors: FloatArray
+    pseudo: PseudoGaps
+    members: tuple[tuple[float, str], ...]
+
+    @property
+    def expected_mm(self) -> float:
+        """Mean error to be expected."""
+        return float(self.errors.mean())
+
+    def band(self) -> FloatArray:
+        """Give the 90 % band by position in the gap, (length,) mm."""
+        return band_by_position(self.errors, self.pseudo)
+
+
+def blend(around: Scene) -> Blend | None:
+    """Fill the gap by the mix that does best on pseudo-gaps; None where none can be hidden."""
+    pseudo = pseudo_gaps(around.rows, around.window.span, around.boundary)
+    if len(pseudo) < LEAST_PSEUDO or not len(around.boundary) + len(around.order):
+        return None
+    rate = around.window.rate
+    ways = operators(pseudo.inside / rate, pseudo.boundary / rate)
+    kinds = families(around)
+    recipes = [recipe for i, family in enumerate(kinds) for recipe in family.recipes(i)]
+    residual = np.concatenate([_residuals(family, pseudo) for family in kinds])
+    n_in = len(pseudo.inside)
+
+    def errors(of: FloatArray, way: Operator) -> FloatArray:
+        return np.asarray(of[:, :, :n_in] - np.matmul(way.weights, of[:, :, n_in:]))
+
+    def score(of: FloatArray) -> FloatArray:
+        return np.asarray(np.sqrt(np.square(of).sum(axis=3)).mean(axis=(1, 2)))
+
+    first = [way for way in ways if way.name in FIRST_OPERATORS]
+    scores = np.min([score(errors(residual, way)) for way in first], axis=0)
+    finalists = np.argsort(scores, kind="stable")[:FINALISTS]
+    trials = [errors(residual[finalists], way) for way in ways]
+    table = np.array([score(trial) for trial in trials])
+    flat = np.argsort(table, axis=None, kind="stable")[:POOL]
+    pool = [divmod(int(i), len(finalists)) for i in flat]
+    turned = np.stack(
+        [_turned(kinds[recipes[finalists[f]].family], pseudo, trials[w][f]) for w, f in pool]
+    )
+    chosen, weights = mix(turned.reshape(len(pool), len(pseudo), -1))
+    members = [(ways[pool[c][0]], recipes[finalists[pool[c][1]]]) for c in chosen]
+    values = _fill(around, kinds, members, weights)
+    mixed = np.tensordot(weights, turned[chosen], axes=1)
+    described = tuple(
+        (
+            float(weight),
+            f"{recipe.neighbours} neighbours in {kinds[recipe.family].name}, {way.name}",
+        )
+        for weight, (way, recipe) in zip(weights, members, strict=True)
+    )
+    return Blend(values, np.linalg.norm(mixed, axis=2), pseudo, described)
+
+
+def _described(family: Family, recipe: Recipe, way: Operator) -> str:
+    """Say it to the operator."""
+    if not recipe.neighbours:
+        return f"{way.name} in the frame of {family.name}"
+    return f"{recipe.neighbours} neighbours in the frame of {family.name}, then {way.name}"
+
+
+def _residuals(family: Family, pseudo: PseudoGaps) -> FloatArray:
+    """Give (n_recipes, n_pseudo, n_inside + n_boundary, n_dims) mm: marker minus prediction."""
+    offsets = np.concatenate([pseudo.inside, pseudo.boundary])
+    parts = []
+    for members, hidden in pseudo.groups:
+        predicted = family.predictions(hidden, hidden)
+        frames = pseudo.starts[members][:, None] + offsets
+        parts.append(family.y[frames] - predicted[:, frames - hidden.start])
+    return np.concatenate(parts, axis=1)
+
+
+def _turned(family: Family, pseudo: PseudoGaps, errors: FloatArray) -> FloatArray:
+    frames = pseudo.starts[:, None] + pseudo.inside
+    return np.asarray(np.einsum("kfij,kfj->kfi", family.frames.rotation[frames], errors))
+
+
+def _fill(
+    around: Scene,
+    kinds: tuple[Family, ...],
+    members: list[tuple[Operator, Recipe]],
+    weights: FloatArray,
+) -> FloatArray:
+    """Fill the real gap with the members, learning from all rows."""
+    cut = around.window
+    span, edge = cut.span, around.boundary
+    hull = Span(
+        min(span.start, edge.min(initial=span.start)), max(span.stop, edge.max(initial=0) + 1)
+    )
+    inside = np.arange(span.start, span.stop)
+    ways = {
+        way.name: way.weights
+        for way in operators((inside - span.start) / cut.rate, (edge - span.start) / cut.rate)
+    }
+    made: dict[int, FloatArray] = {}
+    values = np.zeros((len(span), cut.n_dims))
+    for (way, recipe), weight in zip(members, weights, strict=True):
+        family = kinds[recipe.family]
+        if recipe.family not in made:
+            made[recipe.family] = family.predictions(hull, None)
+        predicted = made[recipe.family][family.recipes(recipe.family).index(recipe)]
+        left = family.y[edge] - predicted[edge - hull.start]
+        local = predicted[inside - hull.start] + ways[way.name] @ left
+        values += weight * family.frames.at(span.frames).to_world(local)
+    return values

@@ -1,0 +1,72 @@
+"""Weights that mix several predictions so that their errors cancel."""
+
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from markermend.model import FloatArray
+
+MOST_MEMBERS = 4
+LEAST_GAIN = 0.005
+
+
+def simplex_weights(covariance: FloatArray) -> FloatArray:
+    """Minimise wᵀCw over w ≥ 0 with sum 1, exactly.
+
+    Parameters
+    ----------
+    covariance
+        (n, n), positive semi-definite; n is small, since every subset is tried.
+    """
+    n = len(covariance)
+    ridge = 1e-9 * np.trace(covariance) / n + 1e-300
+    best, lowest = np.zeros(n), np.inf
+    for size in range(1, n + 1):
+        for subset in combinations(range(n), size):
+            at = np.ix_(subset, subset)
+            solved = np.linalg.solve(covariance[at] + ridge * np.eye(size), np.ones(size))
+            weights = solved / solved.sum()
+            if (weights < 0).any():
+                continue
+            value = weights @ covariance[at] @ weights
+            if value < lowest:
+                best, lowest = np.zeros(n), value
+                best[list(subset)] = weights
+    return best
+
+
+def mix(errors: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
+    """Choose up to MOST_MEMBERS candidates and their weights.
+
+    Parameters
+    ----------
+    errors
+        (n_candidates, n_gaps, n_values): signed errors; the gaps count alike, however large the
+        errors are in them.
+
+    Returns
+    -------
+    The indices of the members, and their weights.
+    """
+    size = np.sqrt(np.square(errors).mean(axis=2))
+    usual = np.sqrt(size.min(axis=0) * np.median(size, axis=0)) + 1e-9
+    scaled = (errors / np.sqrt(usual)[:, None]).reshape(len(errors), -1)
+    covariance = scaled @ scaled.T / scaled.shape[1]
+    members = [int(np.argmin(np.diag(covariance)))]
+    weights = np.ones(1)
+    reached = covariance[members[0], members[0]]
+    while len(members) < min(MOST_MEMBERS, len(errors)):
+        trials = []
+        for candidate in set(range(len(errors))) - set(members):
+            group = [*members, candidate]
+            at = np.ix_(group, group)
+            w = simplex_weights(covariance[at])
+            trials.append((float(w @ covariance[at] @ w), candidate, w))
+        value, candidate, w = min(trials, key=lambda trial: trial[:2])
+        if value > (1 - LEAST_GAIN) * reached:
+            break
+        reached, weights = value, w
+        members.append(candidate)
+    keep = weights > 0
+    return np.asarray(members, np.intp)[keep], weights[keep]
