@@ -82,6 +82,25 @@ class Window:
             int(after[0]) if len(after) else None,
         )
 
+    def meeting(self, predicted: FloatArray) -> FloatArray:
+        """Shift a prediction so that it meets the seen frames at the edges of the gap.
+
+        Parameters
+        ----------
+        predicted
+            (n_frames, n_dims) mm over the window.
+
+        Returns
+        -------
+        (len(span), n_dims) mm: the prediction in the span, less its error at the edges, which goes
+        linearly from one to the other, and stays the same where only one edge is seen.
+        """
+        anchors = np.array([edge for edge in self.edges if edge is not None])
+        off = predicted[anchors] - self.own[anchors]
+        frames = np.arange(self.span.start, self.span.stop)
+        ramp: FloatArray = np.column_stack([np.interp(frames, anchors, axis) for axis in off.T])
+        return predicted[self.span.frames] - ramp
+
 
 def window(problem: Problem, frames: int = CONTEXT) -> Window:
     """Cut out at most `frames` frames around the span, or three times the span if that is more.

@@ -18,10 +18,14 @@ NO_ROTATION = {
     "pchip": "monotone along each axis",
     **dict.fromkeys(("li", "lpr", "glr", "lgrnn", "pma"), "smooths by the median of each axis"),
     **dict.fromkeys(("wpca", "pca_r1"), "scales each axis to unit variance"),
+    "polynomial": "raises each axis to powers",
+    "ffnn": "squares each axis",
     "slr": "sums the frequencies of each axis",
 }
 NO_SHIFT: dict[str, str] = {}
 NO_REVERSAL = {
+    "polynomial": "looks at past frames",
+    "ffnn": "looks at past frames",
     "rlk": "its shape of reference is the posture before the span",
     "auto": "its shape of reference is the posture before the span",
 }
