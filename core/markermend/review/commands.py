@@ -367,7 +367,7 @@ def _replaced(review: Review, old: list[Judgement], new: list[Finding]) -> Revie
         for id_, finding in zip(ids, new, strict=True)
         if id_ in before or id_ not in review.judgements or review.is_replaced(finding)
     ]
-    hidden = [replace(j, replaced_by=ids) for id_, j in before.items() if id_ not in ids]
+    hidden = [replace(j, replaced_by=ids) for j in old]  # overruled below for one that stays
     return review.with_judgements(*hidden, *fresh)
 
 

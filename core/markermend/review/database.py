@@ -144,7 +144,7 @@ def _strict_json(value: Any) -> str:
 
 def _keep_every_commit(connection: sqlite3.Connection, _: object) -> None:
     """Make an SQLite commit outlive a killed process and a power cut."""
-    connection.isolation_level = None  # BEGIN is said by `_begin`, so that DDL is undone too
+    connection.isolation_level = None  # BEGIN is said by `_begin`, never by the driver
     connection.execute(f"PRAGMA busy_timeout = {int(BUSY_S * 1000)}")
     connection.execute("PRAGMA foreign_keys = ON")
     connection.execute("PRAGMA synchronous = FULL")
@@ -162,7 +162,7 @@ def _keep_every_commit(connection: sqlite3.Connection, _: object) -> None:
 
 
 def _begin(connection: Connection) -> None:
-    # A writer takes its lock at once: it then waits instead of failing half-way.
+    # A writer takes its lock before it looks: what it reads is still so when it writes.
     writes = connection.get_execution_options().get(_WRITES)
     connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
 

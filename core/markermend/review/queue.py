@@ -62,7 +62,8 @@ def worst_first(
     known = expected_mm or {}
 
     def rank(finding: Finding) -> tuple[bool, float, str, int, str]:
-        judged = review.judgement(finding).as_judged
+        touched = review.judgements.get(finding.id)
+        judged = finding if touched is None else touched.as_judged
         size = damage(judged, rate, known.get(finding.id))
         outside = judged.span.start == 0 or judged.span.stop == n_frames
         at_end = n_frames is not None and judged.kind == "gap" and outside

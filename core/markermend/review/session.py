@@ -207,7 +207,7 @@ class ReviewSession:
                 present = step.command.apply(self._present)
                 self._past.append(step)
                 self._undone.clear()
-                self._kept = {n: kept for n, kept in self._kept.items() if n < len(self._past)}
+                # What an abandoned future left further on is overwritten before it is reached.
                 if len(self._past) % _STRIDE == 0:
                     self._kept[len(self._past)] = present
             elif entry.action == "undo":

@@ -108,6 +108,8 @@ class Judgement:
     @property
     def as_judged(self) -> Finding:
         """The finding with the operator's kind and span; its id is another where they differ."""
+        if self.decision.kind is None and self.decision.span is None:
+            return self.finding
         return replace(self.finding, kind=self.kind, span=self.span)
 
     @property
@@ -159,7 +161,8 @@ class Review:
     judgements: Mapping[str, Judgement] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "judgements", MappingProxyType(dict(self.judgements)))
+        if not isinstance(self.judgements, MappingProxyType):
+            object.__setattr__(self, "judgements", MappingProxyType(dict(self.judgements)))
 
     def __len__(self) -> int:
         return len(self.judgements)
@@ -183,7 +186,8 @@ class Review:
 
     def with_judgements(self, *changed: Judgement) -> "Review":
         """Return the review with these judgements put in or replaced."""
-        return Review({**self.judgements, **{j.finding.id: j for j in changed}})
+        merged = {**self.judgements, **{j.finding.id: j for j in changed}}
+        return Review(MappingProxyType(merged))
 
     def without(self, ids: Iterable[str]) -> "Review":
         """Return the review as if the findings of these ids had never been added."""
@@ -247,9 +251,12 @@ class Review:
     def changed(self, other: "Review") -> tuple[str, ...]:
         """Give the ids on which two reviews differ."""
         mine, theirs = self.judgements, other.judgements
-        return tuple(
-            key for key in dict.fromkeys((*mine, *theirs)) if mine.get(key) != theirs.get(key)
-        )
+
+        def differs(key: str) -> bool:
+            one, two = mine.get(key), theirs.get(key)
+            return one is not two and one != two  # most are the very same: this must be fast
+
+        return tuple(key for key in {**mine, **theirs} if differs(key))
 
 
 def plain(finding: Finding) -> Finding:

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, Self
 
-from sqlalchemy import Row, func, insert, select, update
+from sqlalchemy import Row, insert, select, update
 from sqlalchemy.exc import IntegrityError
 
 from markermend.errors import Conflict, StoreError
@@ -264,15 +264,14 @@ class Store:
             }
             for entry in fresh
         ]
-        last = select(func.max(journal.c.seq)).where(journal.c.review == review)
         with spoken(self.where):
             try:
                 with writing(self._engine) as connection:
-                    if (connection.scalar(last) or 0) != after:
-                        raise _conflict()
                     connection.execute(insert(journal), rows)
-            except IntegrityError:
-                raise _conflict() from None
+            except IntegrityError:  # an entry of that number is there already
+                raise Conflict(
+                    "This review was changed in another window; reload it to go on from there."
+                ) from None
         return fresh
 
     def backup(self, path: str | Path) -> None:
@@ -310,10 +309,6 @@ class Store:
 def _storable(path: str | Path) -> str:
     """Give a path as text that any database takes, also where its bytes are no UTF-8."""
     return str(path).encode("utf-8", "backslashreplace").decode()
-
-
-def _conflict() -> Conflict:
-    return Conflict("This review was changed in another window; reload it to go on from there.")
 
 
 def _take_record(row: Row[Any]) -> TakeRecord:

@@ -165,6 +165,13 @@ def test_the_latest_detection_is_shown_with_its_evidence() -> None:
     assert shown.evidence is not None
 
 
+def test_the_numbers_of_the_detection_decided_on_last_are_kept() -> None:
+    surer = replace(PEAK, score=0.95, amplitude=31.0)
+    review = applied(Accept((PEAK,)), Annotate((surer,), "clear"))
+    assert review.judgement(PEAK).finding == surer
+    assert review.decision(PEAK).verdict == "accepted"
+
+
 def test_adding_and_removing() -> None:
     review = AddFinding((SWAP,)).apply(Review())
     assert review.live() == (SWAP,)

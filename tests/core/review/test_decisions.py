@@ -74,6 +74,7 @@ def document(review: Review | None = None) -> dict[str, Any]:
     return decisions_on(flat(), made).to_json()
 
 
+@settings(deadline=None)
 @given(reviews)
 def test_a_review_survives_the_file(review: Review) -> None:
     content = json.dumps(document(review), allow_nan=False).encode()
@@ -83,13 +84,14 @@ def test_a_review_survives_the_file(review: Review) -> None:
     assert parse_decisions(json.dumps(read.to_json()).encode()) == read
 
 
+@settings(deadline=None)
 @given(st.binary(max_size=60) | junk.map(lambda value: json.dumps(value).encode()))
 def test_anything_else_is_refused(content: bytes) -> None:
     with pytest.raises(BadDecisions):
         parse_decisions(content)
 
 
-@settings(max_examples=300)
+@settings(max_examples=200, deadline=None)
 @given(st.data())
 def test_a_damaged_file_is_refused_or_harmless(data: st.DataObject) -> None:
     """One value anywhere is exchanged for anything: a sentence or a whole review, nothing else."""

@@ -1,10 +1,14 @@
 """Every schema that was ever released opens, and keeps what was decided under it."""
 
 import sqlite3
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from pathlib import Path
 
 import pytest
+from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.config import Config
 from alembic.migration import MigrationContext
@@ -48,6 +52,29 @@ def test_a_failing_migration_leaves_nothing_behind(
     with closing(sqlite3.connect(where)) as raw:
         assert raw.execute("SELECT name FROM sqlite_master").fetchall() == []
     Store(where).close()
+
+
+def test_only_one_of_two_migrates(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    where = tmp_path / "reviews.sqlite"
+    begun, calls = threading.Event(), []
+    upgrade = command.upgrade
+
+    def slow(*arguments: str) -> None:
+        calls.append(arguments)
+        begun.set()
+        time.sleep(0.3)
+        upgrade(*arguments)
+
+    def second() -> None:
+        begun.wait()
+        Store(where).close()
+
+    monkeypatch.setattr(command, "upgrade", slow)
+    with ThreadPoolExecutor() as pool:
+        done = [pool.submit(lambda: Store(where).close()), pool.submit(second)]
+        for future in done:
+            future.result()
+    assert len(calls) == 1
 
 
 @pytest.mark.parametrize("schema", REVISIONS)

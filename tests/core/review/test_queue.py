@@ -1,4 +1,4 @@
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from markermend.model import Finding, Span
@@ -18,6 +18,7 @@ def test_damage_is_size_times_duration_times_confidence() -> None:
     assert damage(LONG, 200.0, expected_mm=7.0) == 3.5
 
 
+@settings(deadline=None)
 @given(st.integers(1, 3000), st.integers(1, 3000))
 def test_a_longer_gap_is_never_less_harm(one: int, other: int) -> None:
     short, long = sorted((one, other))
