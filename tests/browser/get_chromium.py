@@ -5,8 +5,9 @@ import shutil
 import subprocess
 import sys
 
-from conftest import find_chromium
 from playwright.sync_api import sync_playwright
+
+from conftest import find_chromium
 
 PACKAGES = ("chromium", "libegl1", "libgl1-mesa-dri")
 

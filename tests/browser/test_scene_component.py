@@ -1,5 +1,6 @@
 """The 3D view as it is really drawn, and the key listener as it is really pressed."""
 
+import itertools
 import time
 from collections.abc import Callable
 from typing import Any
@@ -167,6 +168,18 @@ def test_playback_runs_in_the_browser_and_loops(stage: Stage) -> None:
     until(lambda: stage.view.frame == stage.js("frame"))
 
 
+def test_playback_never_steps_back(stage: Stage) -> None:
+    stage.page.evaluate(
+        "window.heard = [];addEventListener('markermend:frame', (e) => heard.push(e.detail.frame))"
+    )
+    stage.python(lambda view: view.param.update(frame=300, speed=2.0, playing=True))
+    stage.page.wait_for_function("heard.at(-1) > 700")
+    stage.python(lambda view: view.param.update(playing=False))
+    heard = stage.page.evaluate("heard")
+    assert len(heard) > 10
+    assert all(later > earlier for earlier, later in itertools.pairwise(heard))
+
+
 def test_other_parts_of_the_page_seek_step_and_play_without_python(stage: Stage) -> None:
     send = "(n, d) => dispatchEvent(new CustomEvent(n, {detail: d}))"
     stage.page.evaluate(f"({send})('markermend:seek', {{time: 7.25}})")
@@ -235,6 +248,7 @@ def test_without_webgl_a_plain_canvas_shows_the_same(
 ) -> None:
     plain = Stage(serve, open_page, browser=launch("--disable-3d-apis"))
     assert plain.js("renderer") == "canvas"
+    assert "no WebGL" in plain.page.locator(".note").inner_text()
     for one in (plain, stage):
         one.python(lambda view: view.show_focus(focus()))
         one.wait(f"selected === {WRIST}")

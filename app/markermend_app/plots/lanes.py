@@ -19,7 +19,8 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
-from markermend_app.state.values import LaneValues
+from markermend.model import Kind
+from markermend_app.state.values import LaneValues, RepairValues
 from markermend_app.style.tokens import TOKENS
 
 GUTTER = 68
@@ -56,7 +57,7 @@ class Lanes:
         self.figures = [*self.axes, self.evidence]
         self.cursor = [_cursor(f) for f in self.figures]
         self.evidence.xaxis.visible = True
-        self.theme = "light"
+        self._worn: tuple[str, str] = ("", "")
 
     def _axis_lane(self, axis: str) -> Any:
         fig = _lane(self.x_range)
@@ -115,27 +116,10 @@ class Lanes:
         return fig
 
     def show(self, values: LaneValues, theme: str) -> None:
-        """Show other values, in place."""
+        """Show another recording, in place."""
         tokens = TOKENS[theme]
-        self.theme = theme
-        for name, curve in (
-            ("raw", values.raw),
-            ("inside", values.inside),
-            ("chosen", values.chosen),
-        ):
+        for name, curve in (("raw", values.raw), ("inside", values.inside)):
             self.sources[name].data = {"t": curve.time, **_columns(curve.values)}
-        self.others.data = {
-            "t": [curve.time for curve in values.others],
-            **{axis: [_columns(curve.values)[axis] for curve in values.others] for axis in "xyz"},
-        }
-        chosen = _columns(values.chosen.values)
-        half = np.zeros(0) if values.band is None else values.band
-        n = len(half)
-        self.band.data = {
-            "t": values.chosen.time[:n],
-            **{f"{a}0": chosen[a][:n] - half for a in "xyz"},
-            **{f"{a}1": chosen[a][:n] + half for a in "xyz"},
-        }
         self.marks.data = {
             "id": [mark.id for mark in values.marks],
             "left": [mark.start_s for mark in values.marks],
@@ -147,12 +131,28 @@ class Lanes:
             "line": [tokens[mark.kind] for mark in values.marks],
             "dash": ["dashed" if mark.kind == "gap" else "solid" for mark in values.marks],
         }
-        for fig, (low, high) in zip(self.axes, values.y_ranges, strict=False):
-            fig.y_range.update(start=low, end=high)
         for fig, axis in zip(self.axes, "XYZ", strict=False):
             fig.yaxis.axis_label = f"{axis}  {values.unit}"
         self._show_evidence(values)
-        self.restyle(theme, None if values.kind is None else tokens[values.kind])
+        self.restyle(theme, values.kind)
+
+    def show_repairs(self, values: RepairValues) -> None:
+        """Show other repairs, in place."""
+        chosen = _columns(values.chosen.values)
+        self.sources["chosen"].data = {"t": values.chosen.time, **chosen}
+        self.others.data = {
+            "t": [curve.time for curve in values.others],
+            **{axis: [_columns(curve.values)[axis] for curve in values.others] for axis in "xyz"},
+        }
+        half = np.zeros(0) if values.band is None else values.band
+        n = len(half)
+        self.band.data = {
+            "t": values.chosen.time[:n],
+            **{f"{a}0": chosen[a][:n] - half for a in "xyz"},
+            **{f"{a}1": chosen[a][:n] + half for a in "xyz"},
+        }
+        for fig, (low, high) in zip(self.axes, values.y_ranges, strict=False):
+            fig.y_range.update(start=low, end=high)
 
     def _show_evidence(self, values: LaneValues) -> None:
         shown = values.evidence
@@ -182,10 +182,13 @@ class Lanes:
         else:
             self.levels.text = ""
 
-    def restyle(self, theme: str, kind_colour: str | None) -> None:
-        """Take the colours of a theme."""
+    def restyle(self, theme: str, kind_shown: Kind) -> None:
+        """Take the colours of a theme and of a kind, unless they are worn already."""
+        if (theme, kind_shown) == self._worn:
+            return
+        self._worn = (theme, kind_shown)
         tokens = TOKENS[theme]
-        kind = kind_colour or tokens["ink"]
+        kind = tokens[kind_shown]
         lines = {
             "raw": tokens["ink"],
             "inside": kind,

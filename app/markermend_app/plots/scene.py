@@ -1,7 +1,7 @@
 """What the 3D view consists of: pure functions from positions to meshes.
 
 Everything that is seen is a `pyvista.PolyData` made here, in millimetres with z up. What stays
-where it is (the floor) is drawn as it is; what moves is a unit shape (marker, bone, ring, shadow)
+where it is (the floor) is drawn as it is; what moves is a unit shape (bone, disc, ring)
 or a chain of segments (trail), which the browser puts in its place for every frame. No plotter is
 ever made here: drawing is left to the browser.
 """
@@ -146,18 +146,17 @@ def trail(n_points: int = TRAIL_POINTS) -> pv.PolyData:
 
 
 def shapes() -> dict[str, pv.PolyData]:
-    """Give the unit shapes that are put in place for every frame.
+    """Give the unit shapes that are put in place, and turned to the eye, for every frame.
 
-    ``bone`` is a tube of radius 1 from z = 0 to 1; ``disc`` (markers, which always face the eye,
-    and shadows) and ``ring`` face z and have the outer radius 1. Few corners: a computer without a
-    graphics card draws them some thirty times a second, for every marker and bone.
+    ``bone`` is a strip along z from 0 to 1, of half width 1 along x; ``disc`` (markers, and their
+    shadows lying on the floor) and ``ring`` face z and have the outer radius 1. They are flat and
+    have few corners: so a computer without a graphics card draws a body thirty times a second.
     """
+    strip = np.array([(-1, 0, 0), (1, 0, 0), (1, 0, 1), (-1, 0, 1)], float)
     return {
-        "bone": pv.Cylinder(
-            center=(0, 0, 0.5), direction=(0, 0, 1), radius=1, height=1, resolution=6, capping=False
-        ).triangulate(),
-        "ring": pv.Disc(inner=0.78, outer=1.0, c_res=20).triangulate(),
+        "bone": pv.PolyData(strip, faces=[3, 0, 1, 2, 3, 0, 2, 3]),
         "disc": pv.Disc(inner=0.0, outer=1.0, c_res=16).triangulate(),
+        "ring": pv.Disc(inner=0.78, outer=1.0, c_res=20).triangulate(),
     }
 
 

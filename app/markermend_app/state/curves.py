@@ -12,6 +12,7 @@ from markermend_app.state.values import (
     EvidenceCurve,
     LaneValues,
     OverviewValues,
+    RepairValues,
     SpanMark,
 )
 
@@ -61,7 +62,7 @@ def _cut(desk: Desk, take: Take) -> _Cut:
 
 
 def lanes(desk: Desk) -> LaneValues | None:
-    """Give what the lanes show for the finding at hand, or None when there is none."""
+    """Give what was recorded around the finding at hand, or None when there is none."""
     opened, current, span = desk.opened, desk.current, desk.span
     if opened is None or current is None or span is None:
         return None
@@ -69,40 +70,41 @@ def lanes(desk: Desk) -> LaneValues | None:
     marker = take.index(current.marker)
     cut = _cut(desk, take)
     own = take.positions[cut.start : cut.stop, marker]
-    inside_at = slice(max(span.start, cut.start) - cut.start, max(0, span.stop - cut.start))
+    first, last = max(span.start - cut.start, 0), max(0, span.stop - cut.start)
     outside = own.copy()
     # One sample more on both sides of the span, so that the two lines meet.
-    outside[max(0, inside_at.start) + 1 : max(0, inside_at.stop - 1)] = np.nan
-    raw = _curve(outside, cut.start, take.rate)
-    inside = _curve(own[inside_at], cut.start + inside_at.start, take.rate)
-    repair = None if desk.raw_only else desk.repair
-    chosen, band = Curve(), None
-    if repair is not None and np.isfinite(repair.values).any():
-        chosen = _joined(take, marker, span, repair.values)
-        if repair.band is not None:
-            band = np.concatenate([[0.0], repair.band, [0.0]])[_edges(take, span)]
-    others = (
-        ()
-        if desk.raw_only
-        else tuple(
-            _joined(take, marker, span, p.repair.values)
-            for p in desk.previews
-            if p.repair is not None and p.name != desk.chosen and np.isfinite(p.repair.values).any()
-        )[:MOST_OTHERS]
-    )
-    judged = desk.judged(current)
+    outside[first + 1 : max(0, last - 1)] = np.nan
     return LaneValues(
-        labels=(current.marker,),
         unit=take.units,
-        raw=raw,
-        inside=inside,
-        chosen=chosen,
-        band=band,
-        others=others,
+        raw=_curve(outside, cut.start, take.rate),
+        inside=_curve(own[first:last], cut.start + first, take.rate),
         marks=tuple(mark for _, mark in marks(desk, current.marker)),
         evidence=_evidence(take, current),
+        kind=desk.judged(current).kind,
+    )
+
+
+def repairs(desk: Desk) -> RepairValues | None:
+    """Give the repairs of the finding at hand, or None when there is none."""
+    opened, current, span = desk.opened, desk.current, desk.span
+    if opened is None or current is None or span is None:
+        return None
+    take = opened.take
+    marker = take.index(current.marker)
+    shown = [] if desk.raw_only else [p.repair for p in desk.previews if p.repair is not None]
+    shown = [done for done in shown if np.isfinite(done.values).any()]
+    chosen, band = Curve(), None
+    for done in shown:
+        if done.method == desk.chosen:
+            chosen = _joined(take, marker, span, done.values)
+            if done.band is not None:
+                band = np.concatenate([[0.0], done.band, [0.0]])[_edges(take, span)]
+    others = [done for done in shown if done.method != desk.chosen][:MOST_OTHERS]
+    return RepairValues(
+        chosen=chosen,
+        band=band,
+        others=tuple(_joined(take, marker, span, done.values) for done in others),
         y_ranges=_y_ranges(desk, take, marker, chosen.values),
-        kind=judged.kind,
     )
 
 

@@ -3,6 +3,7 @@
 Views show these values and call these methods; nothing else changes them.
 """
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
@@ -24,6 +25,8 @@ from markermend_app.state.values import OverviewValues, SpanMark
 from markermend_app.state.workspace import Opened, Workspace
 
 ZOOMS = ("span", "5 s", "take")
+REFRESH_S = 0.4
+"""How often the table of repairs is drawn anew while it fills."""
 VIEWS = ("oblique", "front", "side", "top")
 
 
@@ -48,6 +51,7 @@ class Desk(param.Parameterized):  # type: ignore[misc]  # param has no types
     kinds: frozenset[Kind] = param.Parameter(frozenset(KINDS), doc="Kinds that the queue lists.")
     previews: tuple[Preview, ...] = param.Parameter((), doc="Repairs of the selected.")
     chosen: str = param.String("", doc="Name of the repair chosen for the selected finding.")
+    repair: Repair | None = param.Parameter(doc="The chosen repair, once it is computed.")
     best: str = param.String("", doc="Name of the repair that is recommended here.")
     frame: int = param.Integer(0, bounds=(0, None))
     window: tuple[float, float] = param.Parameter((0.0, 1.0), doc="Seconds that the lanes show.")
@@ -159,7 +163,7 @@ class Desk(param.Parameterized):  # type: ignore[misc]  # param has no types
         wanted = finding.id if isinstance(finding, Finding) else finding or ""
         found = next((f for f in self.findings if f.id == wanted), None)
         if found is None or self.opened is None:
-            self.param.update(selected="", previews=(), chosen="", best="")
+            self.param.update(selected="", previews=(), chosen="", best="", repair=None)
             return
         span = self.judged(found).span
         self.param.update(
@@ -168,6 +172,7 @@ class Desk(param.Parameterized):  # type: ignore[misc]  # param has no types
             frame=span.start + len(span) // 2,
             previews=(),
             best="",
+            repair=None,
             chosen=self.judged(found).decision.method,
         )
         self._fit_window()
@@ -242,6 +247,7 @@ class Desk(param.Parameterized):  # type: ignore[misc]  # param has no types
         if self.current is None or not any(p.name == method and p.repair for p in self.previews):
             return
         self.chosen = method
+        self._pick_repair()
         self._do(Choose((self.current,), method))
 
     def choose_by(self, step: int) -> None:
@@ -392,10 +398,15 @@ class Desk(param.Parameterized):  # type: ignore[misc]  # param has no types
         finding, masked = self.judged(current), self._masked(current.id)
 
         def work(ticket: Ticket) -> None:
+            shown = 0.0
             for rows in compute(opened.take, finding, masked):
                 if not ticket.valid:
                     return
-                ticket.tell(lambda rows=rows: self._previewed(rows))  # type: ignore[misc]
+                last = not any(p.pending for p in rows)
+                first = recommended(rows, finding.kind) and not shown
+                if first or last or (shown and time.monotonic() - shown > REFRESH_S):
+                    shown = time.monotonic()
+                    ticket.tell(lambda rows=rows: self._previewed(rows))  # type: ignore[misc]
 
         self.jobs.run("previews", work, lambda _: None)
 
@@ -409,6 +420,7 @@ class Desk(param.Parameterized):  # type: ignore[misc]  # param has no types
         self.param.update(
             previews=rows, best=best, chosen=mine if mine in ready else best or self.chosen
         )
+        self._pick_repair()
 
     def _masked(self, but: str) -> tuple[tuple[str, Span], ...]:
         return tuple(
@@ -417,10 +429,11 @@ class Desk(param.Parameterized):  # type: ignore[misc]  # param has no types
             if key != but and judgement.decision.verdict == "accepted" and not judgement.replaced_by
         )
 
-    @property
-    def repair(self) -> Repair | None:
-        """The chosen repair of the finding at hand, if it is computed."""
-        return next((p.repair for p in self.previews if p.name == self.chosen), None)
+    def _pick_repair(self) -> None:
+        """Say which repair is shown, only where that changes."""
+        chosen = next((p.repair for p in self.previews if p.name == self.chosen), None)
+        if chosen is not self.repair:
+            self.repair = chosen
 
     # leaving
 

@@ -43,23 +43,28 @@ class EvidenceCurve:
 
 @dataclass(frozen=True, eq=False)
 class LaneValues:
-    """All that the lanes of one marker show.
+    """What was recorded of one marker: ``raw`` outside the selected span, ``inside`` within it."""
 
-    ``raw`` is what was recorded outside the selected span, ``inside`` within it; ``band`` is the
-    half-width in mm of the chosen repair's 90 % band.
-    """
-
-    labels: tuple[str, ...]
     unit: str
     raw: Curve
     inside: Curve
+    marks: tuple[SpanMark, ...]
+    evidence: EvidenceCurve | None
+    kind: Kind
+
+
+@dataclass(frozen=True, eq=False)
+class RepairValues:
+    """The repairs of the selected span.
+
+    ``band`` is the half-width in mm of the chosen repair's 90 % band, one value per point of
+    ``chosen``; ``y_ranges`` are the limits of each axis that hold recording and chosen repair.
+    """
+
     chosen: Curve
     band: FloatArray | None
     others: tuple[Curve, ...]
-    marks: tuple[SpanMark, ...]
-    evidence: EvidenceCurve | None
     y_ranges: tuple[tuple[float, float], ...]
-    kind: Kind | None
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,8 @@ from markermend_app.state import curves
 from markermend_app.state.desk import Desk
 from markermend_app.views.scene import CURSOR_JS, SEEK_JS
 
-LANES_SHOW = ("opened", "review", "findings", "selected", "previews", "chosen", "raw_only", "theme")
+LANES_SHOW = ("opened", "review", "findings", "selected", "theme")
+REPAIRS_SHOW = ("opened", "selected", "previews", "chosen", "raw_only")
 OVERVIEW_SHOWS = ("opened", "review", "findings", "selected", "theme")
 
 
@@ -38,20 +39,26 @@ class LanesView:
             figure.js_on_event(Tap, CustomJS(code=SEEK_JS))
         self.lanes.figures[0].on_event(RangesUpdate, self._moved)
         desk.param.watch(self._refill, list(LANES_SHOW))
+        desk.param.watch(self._refill_repairs, list(REPAIRS_SHOW))
         desk.param.watch(self._rewindow, ["window"])
         self._rewindow()
-        self._refill()
 
     def _refill(self, *_: object) -> None:
         values = curves.lanes(self.desk)
         if values is not None:
             self.lanes.show(values, self.desk.theme)
 
+    def _refill_repairs(self, *_: object) -> None:
+        values = curves.repairs(self.desk)
+        if values is not None:
+            self.lanes.show_repairs(values)
+
     def _rewindow(self, *_: object) -> None:
         low, high = self.desk.window
         if (self.lanes.x_range.start, self.lanes.x_range.end) != (low, high):
             self.lanes.x_range.update(start=low, end=high)
         self._refill()
+        self._refill_repairs()
 
     def _moved(self, event: Any) -> None:
         """Follow a pan or zoom made in the browser."""

@@ -6,7 +6,7 @@ const FLAT = [1, 0, 0, 0, 1, 0, 0, 0, 1];
 
 // Many copies of one shape, each with its place, direction, size and colour.
 class Copies {
-  constructor(vtk, renderer, shape, capacity, lit) {
+  constructor(vtk, renderer, shape, capacity) {
     this.points = new Float32Array(3 * capacity);
     this.turns = new Float32Array(9 * capacity);
     this.sizes = new Float32Array(3 * capacity);
@@ -30,12 +30,7 @@ class Copies {
     this.mapper.setInputData(shape, 1);
     this.actor = vtk.Rendering.Core.vtkActor.newInstance();
     this.actor.setMapper(this.mapper);
-    const property = this.actor.getProperty();
-    property.setLighting(lit);
-    if (lit) {
-      property.setAmbient(0.72);
-      property.setDiffuse(0.28);
-    }
+    this.actor.getProperty().setLighting(false);
     renderer.addActor(this.actor);
   }
 
@@ -94,18 +89,11 @@ class Path {
   }
 }
 
-function polydata(vtk, { points, polys, lines }, isTube = false) {
+function polydata(vtk, { points, polys, lines }) {
   const data = vtk.Common.DataModel.vtkPolyData.newInstance();
-  const values = new Float32Array(points);
-  data.getPoints().setData(values.slice(), 3);
+  data.getPoints().setData(new Float32Array(points.slice(0)), 3); // paths write into theirs
   if (polys) data.getPolys().setData(new Uint32Array(polys));
   if (lines) data.getLines().setData(new Uint32Array(lines));
-  if (isTube) {
-    const around = values.map((v, i) => (i % 3 === 2 ? 0 : v)); // away from its axis
-    data.getPointData().setNormals(vtk.Common.Core.vtkDataArray.newInstance({
-      name: "Normals", values: around, numberOfComponents: 3,
-    }));
-  }
   return data;
 }
 
@@ -133,11 +121,11 @@ export class WebGLPainter {
   setScene(meshes, take) {
     const { vtk, renderer } = this;
     renderer.removeAllActors();
-    const copies = (shape, capacity, lit = false) =>
-      new Copies(vtk, renderer, polydata(vtk, meshes[shape], lit), capacity, lit);
+    const copies = (shape, capacity) =>
+      new Copies(vtk, renderer, polydata(vtk, meshes[shape]), capacity);
     this.floor = this.addFloor(meshes.floor);
     this.discs = copies("disc", 2 * take.n_markers); // markers and their shadows
-    this.bones = copies("bone", Math.max(1, take.bones.length / 2), true);
+    this.bones = copies("bone", Math.max(1, take.bones.length / 2));
     this.rings = copies("ring", take.n_markers + 2);
     this.paths = [[1, "rawTrail"], [2, "trail"]].map(([width, name]) =>
       [name, new Path(vtk, renderer, polydata(vtk, meshes.trail), width)]);
@@ -226,7 +214,8 @@ export class WebGLPainter {
       if (length < 1) continue;
       const depth = (screen[3 * i + 2] + screen[3 * j + 2]) / 2;
       const width = picture.boneRadius(depth, camera);
-      const at = this.bones.add(from[0], from[1], from[2], along(from, to, length), width, length);
+      const turn = facingStrip(from, to, length, camera);
+      const at = this.bones.add(from[0], from[1], from[2], turn, width, length);
       mix(colours.bone, colours.view, (fade[i] + fade[j]) / 2, this.bones.colours, at);
     }
     this.bones.end();
@@ -274,15 +263,11 @@ export class WebGLPainter {
   }
 }
 
-// Columns of the rotation that turns z along a bone.
-function along(from, to, length) {
+// Columns of the rotation that turns z along a bone and y to the eye.
+function facingStrip(from, to, length, camera) {
   const z = [(to[0] - from[0]) / length, (to[1] - from[1]) / length, (to[2] - from[2]) / length];
-  const away = Math.abs(z[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0];
-  const x = normal(cross(away, z));
+  const across = cross(camera.back, z);
+  const size = Math.hypot(...across);
+  const x = size > 1e-3 ? across.map((c) => c / size) : camera.right; // seen from its end
   return [...x, ...cross(z, x), ...z];
-}
-
-function normal(v) {
-  const length = Math.hypot(...v);
-  return v.map((c) => c / length);
 }

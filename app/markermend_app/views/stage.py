@@ -26,7 +26,7 @@ class Stage:
         self.panel = SceneView(sizing_mode="stretch_both", margin=0)
         watch = desk.param.watch
         watch(self._open, ["opened"])
-        watch(self._focus, ["selected", "chosen", "previews", "raw_only", "review", "theme"])
+        watch(self._focus, ["selected", "repair", "raw_only", "review", "theme"])
         watch(self._play, ["frame", "playing", "speed", "looping", "selected", "following", "view"])
         watch(self._paint, ["theme"])
         self.panel.param.watch(self._report, ["frame", "playing", "view"])
