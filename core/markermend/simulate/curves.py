@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
+from scipy.signal import fftconvolve
 from scipy.spatial.transform import Rotation
 
 from markermend.model import FloatArray
@@ -45,12 +46,12 @@ def wander(
     (n_frames, n_channels), channels independent of one another; `sigma_s` is the width of the
     Gaussian that smooths white noise, so that it turns about every 4.4 `sigma_s`.
     """
-    pad = int(np.ceil(4.0 * sigma_s * rate))
-    white = rng.standard_normal((n_frames + 2 * pad, n_channels))
-    smoothed = smooth(white, sigma_s, rate)[pad : pad + n_frames]
-    # A Gaussian of width s frames leaves the variance 1 / (2 sqrt(pi) s) of white noise.
-    scaled: FloatArray = smoothed * np.sqrt(2.0 * np.sqrt(np.pi) * sigma_s * rate)
-    return scaled
+    half = int(np.ceil(4.0 * sigma_s * rate))
+    kernel = np.exp(-0.5 * (np.arange(-half, half + 1) / (sigma_s * rate)) ** 2)
+    white = rng.standard_normal((n_frames + 2 * half, n_channels))
+    unit = kernel / np.linalg.norm(kernel)
+    wandering: FloatArray = fftconvolve(white, unit[:, None], mode="valid", axes=0)
+    return wandering
 
 
 def turned(axis: str, angle: FloatArray) -> FloatArray:

@@ -17,10 +17,10 @@ from markermend.simulate.curves import wander
 from markermend.simulate.frames import Frames, Movement
 from markermend.simulate.markers import Marker
 
-MOST = 1.9
+MOST = 1.7
 """A marker leaves its place by less than this, in mm, so that markers of one segment keep their
 distances within 5 mm."""
-DRAWN = 2.6
+DRAWN = 3.4
 """How hard skin is drawn by the joints, relative to `MOST`."""
 FOLDS = 2.2
 """How quickly the drawing changes its direction while a joint turns, per radian."""
@@ -50,9 +50,10 @@ def skin_motion(
     creep = wander(rng, n_frames, 3 * len(markers), 1.2, movement.rate)
     moved = np.empty((n_frames, len(markers), 3))
     wobbles = {name: _wobble(frames, movement.rate) for name, frames in segments.items()}
+    angles = {name: _joint_angles(segments, name) for name in segments}
     breath = _breath(n_frames, movement.rate, rng)
     for k, marker in enumerate(markers):
-        drawn = DRAWN * _drawn(_joint_angles(segments, marker.segment), movement.rate, rng)
+        drawn = DRAWN * _drawn(angles[marker.segment], movement.rate, rng)
         free = drawn + CREEP * creep[:, 3 * k : 3 * k + 3] + wobbles[marker.segment] / MOST
         free += breath[:, None] * np.array(_BREATHES.get(marker.label, (0.0, 0.0, 0.0))) / MOST
         free *= _STIFF.get(marker.segment, 1.0)
