@@ -162,7 +162,7 @@ class Review:
 
     def __post_init__(self) -> None:
         if not isinstance(self.judgements, MappingProxyType):
-            object.__setattr__(self, "judgements", MappingProxyType(dict(self.judgements)))
+            object.__setattr__(self, "judgements", MappingProxyType(_copy(self.judgements)))
 
     def __len__(self) -> int:
         return len(self.judgements)
@@ -186,7 +186,7 @@ class Review:
 
     def with_judgements(self, *changed: Judgement) -> "Review":
         """Return the review with these judgements put in or replaced."""
-        merged = {**self.judgements, **{j.finding.id: j for j in changed}}
+        merged = _copy(self.judgements) | {j.finding.id: j for j in changed}
         return Review(MappingProxyType(merged))
 
     def without(self, ids: Iterable[str]) -> "Review":
@@ -256,7 +256,7 @@ class Review:
             one, two = mine.get(key), theirs.get(key)
             return one is not two and one != two  # most are the very same: this must be fast
 
-        return tuple(key for key in {**mine, **theirs} if differs(key))
+        return tuple(key for key in _copy(mine) | _copy(theirs) if differs(key))
 
 
 def plain(finding: Finding) -> Finding:
@@ -276,6 +276,11 @@ def plain(finding: Finding) -> Finding:
             f"amplitude that is not finite: {numbers}; mend the detector {finding.detector!r}."
         )
     return Finding.from_json(finding.to_json())
+
+
+def _copy(judgements: Mapping[str, Judgement]) -> dict[str, Judgement]:
+    # dict(proxy) asks for every key by itself and is thirty times slower.
+    return judgements.copy() if isinstance(judgements, MappingProxyType) else dict(judgements)
 
 
 def _id(finding: Finding | str) -> str:
