@@ -157,6 +157,13 @@ def test_as_printed_floods(shared):
     assert len(detect(take, as_printed=True)) > 10 * len(detect(take))
 
 
+def test_network_as_predictor_finds_a_slow_change():
+    span = Span(380, 460)
+    take = with_artefact(person(), "m5", span, 30.0 * triangle(80), (0,))
+    found = detect(take, kinds=["slow"], predictor="ffnn")
+    assert any(f.marker == "m5" and f.span.iou(span) > 0.5 and f.axes == ("x",) for f in found)
+
+
 def test_printed_thresholds_fire_more_often():
     take = person()
     assert len(detect(take, peak_k=3.0)) > len(detect(take))

@@ -38,6 +38,8 @@ SETTINGS = Settings(
     predictor="polynomial",
     order=4,
     context=3,
+    average=200,
+    epochs=100,
 )
 N = 1000
 

@@ -36,9 +36,11 @@ def published(
     slow_low: Annotated[float, Within(0, 10, _SD)] = 0.5,
     slow_top: Annotated[int, Within(1, 500, _AT_100)] = 8,
     slow_length: Annotated[int, Within(1, 2000, _AT_100)] = 20,
-    predictor: Annotated[str, OneOf("polynomial")] = "polynomial",
+    predictor: Annotated[str, OneOf("polynomial", "ffnn")] = "polynomial",
     order: Annotated[int, Within(1, 6)] = 4,
     context: Annotated[int, Within(0, 20, "frames")] = 3,
+    average: Annotated[int, Within(1, 5000, _AT_100)] = 200,
+    epochs: Annotated[int, Within(1, 5000)] = 100,
     as_printed: bool = False,
 ) -> list[Finding]:
     """Find peaks, heavy noise, steps and slow changes, stage by stage.
@@ -81,11 +83,15 @@ def published(
     slow_length
         Shortest slow change (tau_hv); printed 50.
     predictor
-        What predicts a marker from its neighbours.
+        What predicts a marker from its neighbours: the polynomial, or the network of the paper.
     order
         Highest power L of the polynomial predictor.
     context
         Past frames k of the polynomial predictor.
+    average
+        Window of the network's moving average of the marker itself; longer than any artefact.
+    epochs
+        Steps of the network's training.
     as_printed
         Follow the misprints to the letter, and take the printed thresholds 3, 2, 3, 3 and lengths
         20 and 50 of the slow stage instead of the given ones.
@@ -125,6 +131,8 @@ def published(
         predictor=predictor,
         order=order,
         context=context,
+        average=scaled(average, rate),
+        epochs=epochs,
         as_printed=as_printed,
     )
     return run(take, settings)

@@ -1,15 +1,18 @@
 """Gaps first, then peaks, heavy noise, steps and slow changes, each interpolated away."""
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
-from markermend.body import infer
+from markermend.body import Body, infer
 from markermend.detection.published import stages
 from markermend.detection.published.interpolate import interpolated
 from markermend.detection.published.merge import findings
 from markermend.detection.published.settings import Settings
 from markermend.model import BoolArray, Finding, FloatArray, Take
-from markermend.predict import polynomial
+from markermend.predict import ffnn, polynomial
 
 # The sharp stages look at so many samples at once, which bounds their memory on long takes.
 BLOCK = 2_000_000
@@ -17,7 +20,15 @@ EVIDENCE_S = 0.5
 
 
 def run(take: Take, settings: Settings) -> list[Finding]:
-    """Find peaks, heavy noise, steps and slow changes on the measured markers of a take."""
+    """Find peaks, heavy noise, steps and slow changes on the measured markers of a take.
+
+    Linear algebra runs in one thread, since rounding must not depend on the number of threads.
+    """
+    with threadpool_limits(1):
+        return _run(take, settings)
+
+
+def _run(take: Take, settings: Settings) -> list[Finding]:
     markers = np.array([m for m in take.measured if take.seen[:, m].any()], np.intp)
     clean = take.positions.copy()
     trusted = np.zeros(take.positions.shape, bool)
@@ -26,17 +37,45 @@ def run(take: Take, settings: Settings) -> list[Finding]:
     for block in (markers[at : at + size] for at in range(0, len(markers), size)):
         some, clean[:, block], trusted[:, block] = _sharp(take, block, settings)
         found += some
-    body = infer(take)
-    for marker in markers:
-        known = np.asarray(trusted[:, marker].all(axis=1))
-        predicted = polynomial(
-            clean, known, body, int(marker), order=settings.order, context=settings.context
-        )
-        if predicted is None:
-            continue
+    for marker, predicted in _predictions(infer(take), markers, clean, trusted, settings):
         stage = stages.slow_changes(clean[:, marker] - predicted, trusted[:, marker], settings)
         found += _findings(take, stage, predicted, trusted[:, marker], np.array([marker]))
     return found
+
+
+def _predictions(
+    body: Body,
+    markers: NDArray[np.intp],
+    positions: FloatArray,
+    trusted: BoolArray,
+    settings: Settings,
+) -> Iterator[tuple[int, FloatArray]]:
+    """Predict each marker that can be; the polynomial is made one by one to save memory."""
+    known = np.asarray(trusted.all(axis=2))
+    if settings.predictor == "ffnn":
+        all_of_them = ffnn(
+            positions,
+            known,
+            body,
+            markers.tolist(),
+            window=settings.average,
+            epochs=settings.epochs,
+        )
+        for place, marker in enumerate(markers.tolist()):
+            if np.isfinite(all_of_them[0, place, 0]):
+                yield marker, all_of_them[:, place]
+        return
+    for marker in markers.tolist():
+        predicted = polynomial(
+            positions,
+            known[:, marker],
+            body,
+            marker,
+            order=settings.order,
+            context=settings.context,
+        )
+        if predicted is not None:
+            yield marker, predicted
 
 
 def _sharp(

@@ -19,8 +19,8 @@ class Settings:
         L and M of the noise and step stages.
     slow_k, slow_low, slow_top, slow_length
         T_U and T_L in standard deviations of the residual, tau_U, tau_hv.
-    predictor, order, context
-        ``"polynomial"``, its L and its k.
+    predictor, order, context, average, epochs
+        ``"polynomial"`` with its L and k, or ``"ffnn"`` with its moving average and training.
     as_printed
         Whether the misprinted equations are followed to the letter.
     """
@@ -43,4 +43,6 @@ class Settings:
     predictor: str
     order: int
     context: int
+    average: int
+    epochs: int
     as_printed: bool = False
