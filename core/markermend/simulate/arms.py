@@ -22,7 +22,7 @@ def arm(
     """Swing the arm against the leg of its side; lay the hand on the thigh; raise it.
 
     Shoulder about 20 degrees back to 15 forward and elbow 10 to 45 degrees at a common speed
-    (Murray, Sepic and Barnard, *Phys. Ther.* 47 (1967) 272-284).
+    (Murray, Sepic and Barnard, *Physical Therapy* 47 (1967) 272-284).
     """
     sign = SIGN[side]
     forth = -sign * ahead_by(drive.stride, -0.05, rate)

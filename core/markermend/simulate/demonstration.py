@@ -13,6 +13,8 @@ from markermend.simulate.take import simulate
 
 DEMO_SEED = 0
 """The seed of the take that is shipped."""
+PLANNED_S = 29.0
+"""Length of the take that the plan below is made for."""
 JITTER = 6
 """Frames by which another seed moves an artefact at most."""
 
@@ -63,13 +65,17 @@ _PLAN: tuple[_Planned, ...] = (
 )
 
 
-def demonstration(seed: int = DEMO_SEED) -> tuple[Take, Take, tuple[Truth, ...]]:
-    """Simulate the demonstration take.
+def demonstration(
+    seed: int = DEMO_SEED, scenario: str = "demo"
+) -> tuple[Take, Take, tuple[Truth, ...]]:
+    """Simulate the demonstration take, or another scenario with the same artefacts.
 
     Parameters
     ----------
     seed
         Of the movement, the measurement and the artefacts.
+    scenario
+        A name in `SCENARIOS`; in a shorter one the artefacts are nearer to one another.
 
     Returns
     -------
@@ -79,8 +85,13 @@ def demonstration(seed: int = DEMO_SEED) -> tuple[Take, Take, tuple[Truth, ...]]
         The same without.
     truth
         What was put in, ordered by time.
+
+    Raises
+    ------
+    UnknownName
+        If there is no such scenario.
     """
-    clean = simulate("demo", seed)
+    clean = simulate(scenario, seed)
     rng = np.random.default_rng(np.random.SeedSequence([seed, 1]))
     jitter = 0 if seed == DEMO_SEED else JITTER
     wanted = [_placed(planned, clean, jitter, rng) for planned in _PLAN]
@@ -89,9 +100,9 @@ def demonstration(seed: int = DEMO_SEED) -> tuple[Take, Take, tuple[Truth, ...]]
 
 
 def _placed(planned: _Planned, take: Take, jitter: int, rng: np.random.Generator) -> Truth:
-    start = round(planned.at_s * take.rate)
-    at_an_end = start == 0 or start + planned.frames >= take.n_frames
-    if not at_an_end:
+    last = take.n_frames - planned.frames
+    start = min(round(planned.at_s * take.n_frames / PLANNED_S), last)
+    if 0 < start < last:
         start += int(rng.integers(-jitter, jitter + 1))
     return Truth(
         planned.marker,

@@ -52,7 +52,7 @@ class Seating:
 def seating(time: FloatArray, seats: Sequence[Seat]) -> Seating:
     """Sit down and stand up: the trunk bends first, then the hips move.
 
-    Phases after Schenkman et al., *Phys. Ther.* 70 (1990) 638-648: flexion momentum, momentum
+    Phases after Schenkman et al., *Physical Therapy* 70 (1990) 638-648: flexion momentum, momentum
     transfer, extension.
     """
     back, down, lean, rest = (np.zeros_like(time) for _ in range(4))

@@ -2,7 +2,7 @@
 
 Speed sets step length and cadence through a constant walk ratio of 6.5 mm per step a minute
 (Sekiya and Nagasaki, *Gait Posture* 7 (1998) 225-227); the share of the cycle that a foot stands
-falls with speed from 66 to 60 % (Murray et al., *Am. J. Phys. Med.* 45 (1966) 8-24).
+falls with speed from 66 to 58 % (Murray et al., *Am. J. Phys. Med.* 45 (1966) 8-24).
 """
 
 from collections.abc import Iterator, Sequence

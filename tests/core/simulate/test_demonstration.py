@@ -97,9 +97,11 @@ def test_a_truth_survives_json() -> None:
         assert Truth.from_json(json.loads(json.dumps(truth.to_json()))) == truth
 
 
-@pytest.mark.parametrize("seed", [0, 7])
-def test_the_demonstration_has_artefacts_of_every_kind_and_nothing_else(seed: int) -> None:
-    take, clean, truth = demonstrated(seed)
+@pytest.mark.parametrize(("seed", "scenario"), [(0, "demo"), (7, "demo"), (1, "walk")])
+def test_the_demonstration_has_artefacts_of_every_kind_and_nothing_else(
+    seed: int, scenario: str
+) -> None:
+    take, clean, truth = demonstrated(seed, scenario)
     assert np.isfinite(clean.positions).all()
     assert take.n_markers == 53
     assert take.rate == 100.0
@@ -131,7 +133,7 @@ def test_the_demonstration_has_artefacts_of_every_kind_and_nothing_else(seed: in
 
 def test_the_same_demonstration_is_the_same_file(tmp_path: Path) -> None:
     one = make_demo(tmp_path / "a")
-    take, _, truth = demonstrated(0)
+    take, _, truth = demonstrated(0, "demo")
     mm.write(take, tmp_path / "again.c3d")
     assert one[0].read_bytes() == (tmp_path / "again.c3d").read_bytes()
     read = mm.read(one[0])
@@ -142,7 +144,7 @@ def test_the_same_demonstration_is_the_same_file(tmp_path: Path) -> None:
 
 
 def test_the_shipped_take_is_the_one_that_the_command_makes() -> None:
-    take, _, truth = demonstrated(0)
+    take, _, truth = demonstrated(0, "demo")
     read = mm.read(SHIPPED / "demo.c3d")
     assert read.labels == take.labels
     # Not bit for bit: mathematical libraries round differently.
