@@ -103,7 +103,8 @@ class C3DLayout:
         words = self.words(stored[..., 3])
         if not self.is_float:
             return stored[..., :3] * self.scale, words
-        return to_floats(stored[..., :3], self.order).astype(np.float64), words
+        with np.errstate(invalid="ignore"):  # signalling NaNs
+            return to_floats(stored[..., :3], self.order).astype(np.float64), words
 
     def words(self, stored: NDArray[Any]) -> NDArray[np.int32]:
         """Decode residual words of any shape."""

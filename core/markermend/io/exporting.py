@@ -236,7 +236,13 @@ def _patch(
             raise CannotWrite(
                 "The verification found more changed than what was repaired; nothing was written."
             )
-        after = patching.positions(new_data, reading)[changed] * factor
+        everything = patching.positions(new_data, reading)
+        if everything.shape != repaired.positions.shape:
+            raise CannotWrite(
+                "The repaired file would be read with other frames or markers, because of what "
+                "its rows look like; export the take in another format."
+            )
+        after = everything[changed] * factor
         wanted = repaired.positions[changed]
         deviation = float(np.nanmax(np.abs(after - wanted), initial=0.0))
         if (np.isnan(after) != np.isnan(wanted)).any() or (

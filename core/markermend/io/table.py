@@ -134,9 +134,11 @@ class Table:
             if row not in frame:
                 return None
             before, after = self._parts(old), self._parts(new)
-            if len(before) < len(after):  # cells that the row had left out at its end
-                before[-1:] = [*_body(before[-1]), *[""] * (len(after) - len(before))]
-                before[1::2] = after[1::2]
+            missing = (len(after) - len(before)) // 2 if self.separator else 0
+            if missing > 0:  # cells that the row had left out at its end
+                before[-1], end = _body(before[-1])
+                before += [self.separator, ""] * missing
+                before[-1] += end
             if len(before) != len(after) or before[1::2] != after[1::2]:
                 return None
             for cell, (one, two) in enumerate(zip(before[::2], after[::2], strict=True)):
@@ -179,7 +181,7 @@ class Table:
             for column in wanted:
                 cell = bare(cells[column]) if column < len(cells) else ""
                 match = _NUMBER.match(cell)
-                if cell and match and float(cell):
+                if match and as_number(cell) and any(map(str.isdigit, cell)):
                     most = max(most, len(match.group(2) or ""))
                     exponent |= "e" in cell.lower()
         return min(most, _MOST_DECIMALS), exponent

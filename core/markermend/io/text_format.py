@@ -101,7 +101,8 @@ def text_format(
         return parse(TextFile.decode(data)).table.patched(positions, changed)
 
     def compare(old: bytes, new: bytes, _reading: Reading) -> BoolArray | None:
-        return parse(TextFile.decode(old)).table.compare(TextFile.decode(new))
+        before = TextFile.decode(old)
+        return parse(before).table.compare(TextFile.decode(new, before.encoding))
 
     return Format(
         name=name,

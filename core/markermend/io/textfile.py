@@ -28,8 +28,15 @@ class TextFile:
     end: str
 
     @classmethod
-    def decode(cls, data: bytes) -> "TextFile":
+    def decode(cls, data: bytes, encoding: str = "") -> "TextFile":
         """Decode bytes: by their byte-order mark, else UTF-8, else Western European.
+
+        Parameters
+        ----------
+        data
+            The bytes of the file.
+        encoding
+            What they are known to be, where there is no mark.
 
         Raises
         ------
@@ -42,7 +49,8 @@ class TextFile:
                 "MB that are read; cut the recording into parts."
             )
         mark, encoding = next(
-            ((mark, name) for mark, name in _MARKS if data.startswith(mark)), (b"", "utf-8")
+            ((mark, name) for mark, name in _MARKS if data.startswith(mark)),
+            (b"", encoding or "utf-8"),
         )
         body = data[len(mark) :]
         try:

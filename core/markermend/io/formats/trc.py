@@ -1,5 +1,7 @@
 """TRC, the tab-separated tracks of Motion Analysis, OpenSim and many others."""
 
+from collections import Counter
+
 import numpy as np
 
 from markermend.errors import CannotWrite, UnreadableTake
@@ -10,6 +12,7 @@ from markermend.io.textfile import TextFile
 from markermend.model import Take
 
 _HEADER_LINES = 5
+_LEADING = 2
 _KEYS = (
     "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame"
     "\tOrigNumFrames"
@@ -24,8 +27,8 @@ def recognises(text: str) -> bool:
 def parse(text: TextFile) -> Parsed:
     """Find header and table.
 
-    Rows that hold nothing but their number and time, before the first or after the last sample
-    of a named marker, are no frames; between samples they are frames in which nothing was seen.
+    Rows that hold nothing but their number and time, before the first or after the last row of
+    usual width, are no frames; between those they are frames in which nothing was seen.
     Columns beyond the named ones are trajectories that nobody labelled; they are left alone.
 
     Raises
@@ -81,15 +84,17 @@ def _decimal(line: str, separator: str) -> str:
 
 
 def _without_empty_ends(table: Table) -> tuple[Table, int]:
-    """Leave out cell-less rows before the first and after the last sample."""
-    bare = [len(table.cells(row)) <= 2 for row in table.rows]
-    if not any(bare) or all(bare):
+    """Leave out rows without any cells before the first and after the last usual row."""
+    widths = [len(table.cells(row)) for row in table.rows]
+    (usual, _), *_ = Counter(widths).most_common(1)
+    first, last = widths.index(usual), len(widths) - 1 - widths[::-1].index(usual)
+    if usual <= _LEADING:
         return table, 0
-    seen = np.flatnonzero(np.isfinite(table.positions()[0][..., 0]).any(axis=1))
-    if not len(seen):
-        return table, 0
-    first, last = int(seen[0]), int(seen[-1])
-    kept = [row for i, row in enumerate(table.rows) if not bare[i] or first < i < last]
+    kept = [
+        row
+        for i, (row, width) in enumerate(zip(table.rows, widths, strict=True))
+        if width > _LEADING or first < i < last
+    ]
     return table.with_rows(kept), len(table.rows) - len(kept)
 
 
