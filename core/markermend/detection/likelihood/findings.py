@@ -1,0 +1,156 @@
+"""From candidates in windows to findings of a take, with the evidence that an operator sees."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from markermend.detection.likelihood import templates
+from markermend.detection.likelihood.calibration import probability
+from markermend.detection.likelihood.sharp import LEAST, Candidate
+from markermend.detection.likelihood.swaps import Swap
+from markermend.detection.likelihood.window import SHORTEST, Scan, Settings, scan_window
+from markermend.model import AXES, Evidence, Finding, FloatArray, Span, Take
+
+_WINDOW, _OVERLAP = 4400, 220  # frames: longer takes go in pieces, so time and memory stay linear
+_CONTEXT = 60  # frames of evidence on each side
+_AXIS_SHARE = 0.4  # of the amplitude, from which an axis is named
+
+
+def detect_all(take: Take, settings: Settings) -> tuple[Finding, ...]:
+    """Scan the take in overlapping windows; each finding counts in the window that owns it."""
+    findings: list[Finding] = []
+    for start, stop, low, high in _windows(take.n_frames):
+        part = take.positions[start:stop, take.measured]
+        shown = np.flatnonzero(np.isfinite(part[:, :, 0]).sum(0) >= SHORTEST)
+        if stop - start < SHORTEST or not len(shown):
+            continue
+        points = np.zeros((stop - start, len(shown), 3))
+        points[:, :, : take.n_dims] = part[:, shown]
+        points[np.isnan(points[:, :, 0])] = np.nan
+        scan = scan_window(points, settings)
+        labels = [take.labels[take.measured[i]] for i in shown]
+        made = [_finding(c, scan, points, labels, start, take) for c in scan.candidates]
+        for swap in scan.swaps:
+            made += _swapped(swap, scan, points, labels, start, take)
+        findings += [f for f in made if low <= (f.span.start + f.span.stop) / 2 < high]
+    return _grouped(findings)
+
+
+def _windows(n_frames: int) -> list[tuple[int, int, float, float]]:
+    """Windows and the part of each in which the middle of a finding has to lie."""
+    if n_frames <= _WINDOW + _OVERLAP:
+        return [(0, n_frames, -np.inf, np.inf)]
+    count = -(-(n_frames - _OVERLAP) // (_WINDOW - _OVERLAP))
+    starts = np.linspace(0, n_frames - _WINDOW, count).astype(int)
+    cuts = [-np.inf, *((starts[1:] + starts[:-1] + _WINDOW) / 2), np.inf]
+    return [(int(s), int(s) + _WINDOW, cuts[i], cuts[i + 1]) for i, s in enumerate(starts)]
+
+
+def _finding(
+    c: Candidate, scan: Scan, points: FloatArray, labels: list[str], offset: int, take: Take
+) -> Finding:
+    deviation = scan.final[c.marker] if c.kind == "slow" else scan.residual[c.marker]
+    n = len(deviation)
+    low, high = max(0, c.start - _CONTEXT), min(n, c.stop + _CONTEXT)
+    outside = np.r_[low : c.start, c.stop : high]
+    base = np.median(deviation[outside], axis=0) if len(outside) else np.zeros(3)
+    rest = deviation - base
+    inside = rest[c.start : c.stop]
+    shape = _shape(c)
+    if c.kind == "noise":
+        sizes = np.sqrt(np.mean(inside**2, axis=0))
+        amplitude = float(np.sqrt((sizes**2).sum()))
+        signal = np.sqrt((rest**2).sum(1))
+        template = None
+    else:
+        sizes = (shape[:, None] * inside).sum(0) / (shape**2).sum()
+        amplitude = float(np.sqrt((sizes**2).sum()))
+        signal = rest @ (sizes / max(amplitude, 1e-9))
+        template = np.zeros(high - low)
+        template[c.start - low : c.stop - low] = amplitude * shape
+    axes = tuple(
+        AXES[i] for i in range(take.n_dims) if abs(sizes[i]) >= _AXIS_SHARE * max(amplitude, 1e-9)
+    )
+    evidence = Evidence(
+        name="deviation from where the neighbours put the marker",
+        start=offset + low,
+        signal=signal[low:high],
+        threshold=amplitude / c.strength,
+        usual=float(np.median(np.abs(signal[outside]))) if len(outside) else 0.0,
+        unit=take.units,
+        prediction=(points[low:high, c.marker] - deviation[low:high])[:, : take.n_dims],
+        template=template,
+    )
+    return Finding(
+        marker=labels[c.marker],
+        span=Span(offset + c.start, offset + c.stop),
+        kind=c.kind,
+        score=probability(c.kind, c.strength),
+        axes=axes or AXES[: take.n_dims],
+        amplitude=amplitude,
+        detector="likelihood",
+        strength=c.strength,
+        evidence=evidence,
+    )
+
+
+def _shape(c: Candidate) -> FloatArray:
+    length = c.stop - c.start
+    return templates.triangle_template(length)[:length] if c.kind == "slow" else np.ones(length)
+
+
+def _swapped(
+    swap: Swap, scan: Scan, points: FloatArray, labels: list[str], offset: int, take: Take
+) -> list[Finding]:
+    findings = []
+    for marker, other in ((swap.first, swap.second), (swap.second, swap.first)):
+        low, high = max(0, swap.start - _CONTEXT), min(len(points), swap.stop + _CONTEXT)
+        expected = scan.predicted[low:high, marker]
+        away = points[low:high, marker] - expected
+        signal = np.sqrt((away**2).sum(1))
+        inside = slice(swap.start - low, swap.stop - low)
+        amplitude = float(np.nanmedian(signal[inside]))
+        sizes = np.abs(np.nanmedian(away[inside], axis=0))
+        template = np.zeros(high - low)
+        template[inside] = amplitude
+        findings.append(
+            Finding(
+                marker=labels[marker],
+                span=Span(offset + swap.start, offset + swap.stop),
+                kind="step",
+                score=probability("swap", swap.strength),
+                axes=tuple(
+                    AXES[i] for i in range(take.n_dims) if sizes[i] >= _AXIS_SHARE * sizes.max()
+                ),
+                amplitude=amplitude,
+                detector="likelihood",
+                strength=swap.strength,
+                partner=labels[other],
+                evidence=Evidence(
+                    name=f"distance from where the neighbours put it, once exchanged with {labels[other]}",
+                    start=offset + low,
+                    signal=signal,
+                    threshold=amplitude / max(swap.strength, LEAST),
+                    usual=float(np.nanmedian(np.delete(signal, np.r_[inside])))
+                    if len(signal) > inside.stop - inside.start
+                    else 0.0,
+                    unit=take.units,
+                    prediction=expected[:, : take.n_dims],
+                    template=template,
+                ),
+            )
+        )
+    return findings
+
+
+def _grouped(findings: list[Finding]) -> tuple[Finding, ...]:
+    """A peak on a slow change shares its group with it (Skurowski & Pawlyta, Fig. 14)."""
+    slow = [f for f in findings if f.kind == "slow"]
+    groups: dict[str, str] = {}
+    for peak in findings:
+        if peak.kind != "peak":
+            continue
+        for change in slow:
+            if change.marker == peak.marker and change.span.overlaps(peak.span):
+                groups[peak.id] = groups[change.id] = change.id
+    return tuple(replace(f, group=groups[f.id]) if f.id in groups else f for f in findings)

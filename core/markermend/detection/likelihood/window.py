@@ -1,0 +1,210 @@
+"""All stages on one window of a take."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation, uniform_filter1d
+
+from markermend.detection.likelihood import sharp, slow, steps
+from markermend.detection.likelihood.filling import bridged, interpolated
+from markermend.detection.likelihood.neighbours import steadiest
+from markermend.detection.likelihood.nullscale import learnt_scale, speeds
+from markermend.detection.likelihood.prediction import (
+    MOST_NEIGHBOURS,
+    Prediction,
+    predict_marker,
+)
+from markermend.detection.likelihood.scales import rolling_quantile
+from markermend.detection.likelihood.sharp import Candidate
+from markermend.detection.likelihood.swaps import Swap, find_swaps, undone
+from markermend.detection.likelihood.whitening import whiten
+from markermend.model import BoolArray, FloatArray
+
+SHORTEST = 32  # frames below which no spectrum can be estimated
+FEWEST = 4  # markers below which there is no local frame
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The parameters of the detector; see there."""
+
+    rate: float
+    floor: float
+    peak: float
+    noise: float
+    step: float
+    slow: float
+    least_slow: float
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """What one window gave.
+
+    Attributes
+    ----------
+    candidates, swaps
+        What was found, frames counted from the window's first.
+    residual, final
+        (n_markers, n_frames, 3) mm, lab axes: observed minus predicted, as recorded and after
+        sharp artefacts were taken out.
+    predicted
+        (n_frames, n_markers, 3) mm: where the neighbours put each marker.
+    null
+        (n_markers, n_frames): learnt scale of the slow score, or None with too few markers.
+    """
+
+    candidates: list[Candidate]
+    swaps: list[Swap]
+    residual: FloatArray
+    final: FloatArray
+    predicted: FloatArray
+
+
+def scan_window(recorded: FloatArray, settings: Settings) -> Scan:
+    """Run swaps, peaks and noise, steps, and slow changes, each on what the former left.
+
+    Parameters
+    ----------
+    recorded
+        (n_frames, n_markers, 3) mm; NaN where not seen; every marker is seen somewhere.
+    settings
+        Thresholds and scales.
+    """
+    seen = np.isfinite(recorded[:, :, 0])
+    dense = interpolated(recorded, seen)
+    swaps = find_swaps(dense, seen)
+    dense = undone(dense, swaps)
+    n, n_markers, _ = dense.shape
+    neighbours = steadiest(dense, seen, MOST_NEIGHBOURS)
+    alone = n_markers < FEWEST
+
+    def predict(markers: NDArray[np.intp], positions: FloatArray, good: BoolArray) -> None:
+        for m in markers.tolist():
+            predictions[m] = predict_marker(positions, good, m, neighbours[m])
+
+    predictions: dict[int, Prediction] = {}
+    gappy = np.flatnonzero(~seen.all(0))
+    if not alone:
+        # Gaps first: their linear stopgap is replaced by what the neighbours say.
+        predict(gappy, dense, seen)
+        for m in gappy.tolist():
+            p = predictions[m]
+            dense[:, m] -= p.to_lab(p.residual - bridged(p.residual, ~seen[:, m]))
+        predict(np.arange(n_markers), dense, seen)
+        residual = np.array([predictions[m].residual for m in range(n_markers)])
+        residual = np.array(
+            [bridged(r, ~s) if not s.all() else r for r, s in zip(residual, seen.T, strict=True)]
+        )
+    else:
+        residual = dense.transpose(1, 0, 2).copy()
+    order = 2 if alone else 1
+    own = np.ascontiguousarray(dense.transpose(1, 0, 2))
+    beside_gap = binary_dilation(~seen.T, np.ones((1, 3)))
+    valid = ~beside_gap
+    found = _noise(own, residual, dense, valid, neighbours, settings)
+    free = valid & ~_mask(found, valid.shape, 3)
+    found += _peaks(own, residual, free, neighbours, order, settings)
+    flagged = _mask(found, valid.shape, 0)
+    calm = np.array([bridged(r, f) for r, f in zip(residual, flagged, strict=True)])
+    path = own.copy()
+    for m in np.flatnonzero(flagged.any(1)).tolist():
+        change = residual[m] - calm[m]
+        path[m] -= change if alone else predictions[m].to_lab(change)
+    own_jumps = steps.jumps(whiten(_series(path), settings.floor, 2), free)
+    their_jumps = steps.jumps(whiten(_series(calm), settings.floor, order), free)
+    edge_free = free & ~binary_dilation(~seen.T, np.ones((1, 7)))
+    stepped = steps.find_steps(own_jumps, their_jumps, neighbours, edge_free, settings.step)
+    found += stepped
+    raw = residual if alone else _lab(predictions, residual)
+    predicted = dense - raw.transpose(1, 0, 2)
+    final = calm
+    if not alone:
+        bulky = [c for c in found if c.strength >= 1 and c.kind in ("noise", "step")]
+        for c in stepped:
+            if c.strength >= 1:
+                flagged[c.marker, c.start : c.stop] = True
+                calm[c.marker] = bridged(calm[c.marker], flagged[c.marker])
+                change = residual[c.marker] - calm[c.marker]
+                path[c.marker] = own[c.marker] - predictions[c.marker].to_lab(change)
+        touched = {c.marker for c in bulky}
+        again = [
+            m
+            for m in range(n_markers)
+            if m in touched or touched & set(predictions[m].features.tolist())
+        ]
+        clean = np.ascontiguousarray(path.transpose(1, 0, 2))
+        good = seen & ~flagged.T
+        predict(np.array(again, int), clean, good)
+        for m in again:
+            calm[m] = bridged(predictions[m].residual, ~good[:, m])
+        found += _slow(calm, clean, predictions, neighbours, good.T, settings)
+        final = _lab(predictions, calm)
+    return Scan(found, swaps, raw, final, predicted)
+
+
+def _series(vectors: FloatArray) -> FloatArray:
+    """(n_markers, n_frames, 3) as three series per marker."""
+    return np.ascontiguousarray(vectors.transpose(0, 2, 1)).reshape(-1, vectors.shape[1])
+
+
+def _lab(predictions: dict[int, Prediction], residual: FloatArray) -> FloatArray:
+    return np.array([predictions[m].to_lab(r) for m, r in enumerate(residual)])
+
+
+def _mask(found: list[Candidate], shape: tuple[int, int], margin: int) -> BoolArray:
+    mask = np.zeros(shape, bool)
+    for c in found:
+        if c.strength >= 1.0:
+            mask[c.marker, max(0, c.start - margin) : c.stop + margin] = True
+    return mask
+
+
+def _noise(
+    own: FloatArray,
+    residual: FloatArray,
+    dense: FloatArray,
+    valid: BoolArray,
+    neighbours: NDArray[np.intp],
+    settings: Settings,
+) -> list[Candidate]:
+    mine = sharp.roughness(own, valid, settings.floor)
+    theirs = sharp.roughness(residual, valid, settings.floor)
+    mates = sharp.mates_of(mine, valid, neighbours)
+    rough = np.minimum(mine, theirs) / np.maximum(1.0, sharp.MATE_SHARE * mates)
+    return sharp.find_noise(rough, dense, settings.noise)
+
+
+def _peaks(
+    own: FloatArray,
+    residual: FloatArray,
+    free: BoolArray,
+    neighbours: NDArray[np.intp],
+    order: int,
+    settings: Settings,
+) -> list[Candidate]:
+    mine = sharp.witness(whiten(_series(own), settings.floor, 2), free)
+    theirs = sharp.witness(whiten(_series(residual), settings.floor, order), free)
+    mates = sharp.mates_of(mine.score(1), free, neighbours)
+    return sharp.find_peaks(mine, theirs, mates, free, settings.peak)
+
+
+def _slow(
+    residual: FloatArray,
+    positions: FloatArray,
+    predictions: dict[int, Prediction],
+    neighbours: NDArray[np.intp],
+    good: BoolArray,
+    settings: Settings,
+) -> list[Candidate]:
+    whitened = whiten(_series(residual), settings.floor, 1)
+    best = slow.scan(whitened)
+    valid = best.score > 0
+    mates = np.median(speeds(positions, settings.rate, 31)[neighbours[:, :4]], axis=1)
+    leverage = np.array([predictions[m].leverage for m in range(len(residual))])
+    leverage = uniform_filter1d(leverage, 21, axis=1, mode="nearest")
+    usual = rolling_quantile(best.score, valid, 200, 0.5, 20)
+    covariates = (mates + 5.0, leverage + 1e-4, usual + 0.2)
+    u = slow.normalised(best.score, learnt_scale(best.score, covariates, valid & good), valid)
+    return slow.find_slow(whitened, best, u, ~good, settings.slow, settings.least_slow)
