@@ -5,16 +5,15 @@ parameters, so that the same program makes the byte-identical file from the same
 """
 
 import json
-import os
 from collections.abc import Iterable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from markermend import __version__
-from markermend.errors import BadDecisions, CannotWrite
+from markermend.errors import BadDecisions
+from markermend.io.disk import write_whole
 from markermend.model import Take
 from markermend.params import checked
 from markermend.repairing.problem import Repair
@@ -133,22 +132,7 @@ class Decisions:
             If the disk refuses.
         """
         text = json.dumps(self.to_json(), allow_nan=False, indent=1)
-        target = Path(path)
-        draft = target.with_name(f".{target.name}.{os.getpid()}.part")
-        try:
-            with draft.open("w", encoding="ascii", newline="\n") as file:
-                file.write(text + "\n")
-                file.flush()
-                os.fsync(file.fileno())
-            draft.replace(target)
-        except OSError as error:
-            raise CannotWrite(
-                f"The decisions cannot be written to {target} ({error.strerror}); "
-                "choose another place."
-            ) from None
-        finally:
-            with suppress(OSError):
-                draft.unlink(missing_ok=True)
+        write_whole(Path(path), f"{text}\n".encode("ascii"), overwrite=True)
 
     def _fit(self, take: Take) -> None:
         if self.sha256 != take.content_hash:

@@ -39,6 +39,15 @@ def test_a_known_error_and_moved_edges_count() -> None:
     assert worst_first(wide, ALL, 100.0)[0] == PEAK
 
 
+def test_gaps_at_the_ends_of_the_take_come_last() -> None:
+    outside = Finding("B", Span(0, 1000), "gap")
+    drift = Finding("A", Span(0, 500), "slow", amplitude=9.0)
+    assert worst_first(Review(), (*ALL, outside, drift), 100.0)[0] == outside
+    ordered = worst_first(Review(), (*ALL, outside, drift), 100.0, n_frames=2000)
+    assert ordered == (drift, LONG, STEP, PEAK, SHORT, outside)
+    assert worst_first(Review(), ALL, 100.0, n_frames=140)[-1] == LONG
+
+
 def test_the_next_open_one_is_sought_around_the_end() -> None:
     order = worst_first(Review(), ALL, 100.0)
     review = Defer((STEP,)).apply(Accept((LONG,)).apply(Review()))
