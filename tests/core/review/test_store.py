@@ -61,7 +61,7 @@ def test_what_a_take_lacked_is_remembered(store: Store, take: Take) -> None:
 
 
 def test_a_path_that_is_no_text_is_kept(store: Store, take: Take) -> None:
-    path = Path("/takes/caf\udce9.c3d")
+    path = Path("/takes/walk\udce9.c3d")
     store.remember(at(take, path))
     assert store.changed_since(path, "b" * 64) is not None
 
