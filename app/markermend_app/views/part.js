@@ -2,7 +2,7 @@
 // controls, whatever part they stand in. Nothing is remembered here but the focus.
 export function render({ model, el }) {
   const root = document.createElement("div");
-  root.style.height = "100%";
+  root.className = "root";
   el.append(root);
 
   const send = (target, value) => {

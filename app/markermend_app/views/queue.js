@@ -1,11 +1,10 @@
 // A list of any length: only the rows that can be seen exist. Rows are HTML made by Python.
 export function render({ model, el }) {
   const list = document.createElement("div");
-  list.className = "rows";
+  list.className = "root rows";
   list.setAttribute("role", "listbox");
   list.setAttribute("aria-label", "Findings");
   list.tabIndex = 0;
-  list.style.height = "100%";
   const spacer = document.createElement("div");
   list.append(spacer);
   el.append(list);
