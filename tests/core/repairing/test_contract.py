@@ -27,9 +27,12 @@ NO_REVERSAL = {
     "polynomial": "looks at past frames",
     "ffnn": "looks at past frames",
     "rlk": "its shape of reference is the posture before the span",
+    **dict.fromkeys(("li_eq8", "li_eq16"), "cuts pieces from the first frame on"),
     "auto": "its shape of reference is the posture before the span",
 }
-NO_STRAIGHT: dict[str, str] = {}
+NO_STRAIGHT = {
+    "li_eq4": "leaves out directions of little energy",
+}
 TURN = Rotation.from_rotvec([0.7, -0.4, 1.1]).as_matrix()
 AWAY = np.array([2500.0, -1300.0, 400.0])
 
