@@ -39,6 +39,19 @@ def test_a_decision_goes_on_to_the_next_open_finding(make_desk: MakeDesk):
     assert second not in desk.queue
 
 
+def test_accepting_before_the_repair_is_there_waits_for_it(make_desk: MakeDesk):
+    desk, ticks = make_desk()
+    first, second = desk.queue[:2]
+    desk.select(second)
+    desk.select(first)
+    assert desk.repair is None
+    perform(desk, "accept")
+    assert desk.review.decision(first).verdict is None
+    settle(desk, ticks)
+    assert desk.review.decision(first).verdict == "accepted"
+    assert desk.review.decision(second).verdict is None, "one key accepts one finding"
+
+
 def test_undo_selects_what_it_changed_and_redo_brings_it_back(make_desk: MakeDesk):
     desk, _ = make_desk()
     first = desk.current

@@ -75,6 +75,7 @@ class Desk(param.Parameterized):  # type: ignore[misc]  # param has no types
         self.workspace = workspace
         self.jobs = Jobs(schedule, self.fail)
         self.session: ReviewSession | None = None
+        self._accepting = ""  # the finding to be accepted once its repair is there
 
     # opening
 
@@ -166,6 +167,7 @@ class Desk(param.Parameterized):  # type: ignore[misc]  # param has no types
             self.param.update(selected="", previews=(), chosen="", best="", repair=None)
             return
         span = self.judged(found).span
+        self._accepting = ""
         self.param.update(
             selected=found.id,
             zoom="span",
@@ -215,13 +217,11 @@ class Desk(param.Parameterized):  # type: ignore[misc]  # param has no types
     # decisions
 
     def accept(self) -> None:
-        """Accept the chosen repair and go on."""
-        ready = {p.name for p in self.previews if p.repair is not None}
-        if self.chosen not in ready:
-            self.fail("The chosen repair is not ready; choose another one or wait for it.")
-            return
+        """Accept the chosen repair and go on, as soon as it is computed."""
         repair = self.repair
-        assert repair is not None
+        if repair is None:
+            self._accepting = self.selected
+            return
         self._decide(lambda f: Accept((f,), repair.method, repair.parameters))
 
     def leave(self) -> None:
@@ -268,6 +268,7 @@ class Desk(param.Parameterized):  # type: ignore[misc]  # param has no types
             return
         queue = [f.id for f in self.queue]
         at = queue.index(current.id) if current.id in queue else 0
+        self._accepting = ""
         self._do(command(current))
         left = self.queue
         after = [f for f in left if f.id not in (current.id, *queue[:at])]
@@ -421,6 +422,8 @@ class Desk(param.Parameterized):  # type: ignore[misc]  # param has no types
             previews=rows, best=best, chosen=mine if mine in ready else best or self.chosen
         )
         self._pick_repair()
+        if self._accepting == self.selected and self.repair is not None:
+            self.accept()
 
     def _masked(self, but: str) -> tuple[tuple[str, Span], ...]:
         return tuple(

@@ -45,7 +45,7 @@ def render(desk: Desk) -> str:
                  pressed=desk.looping)
         + f'<select data-do="speed" aria-label="Speed">{speeds}</select>'
         f'<span class="push num"><b data-time>{desk.frame / take.rate:.2f} s</b> '
-        f'<span data-frame>frame {number}</span></span></div></div>'
+        f'<span class="small-out" data-frame>frame {number}</span></span></div></div>'
     )  # fmt: skip
 
 

@@ -1,0 +1,1 @@
+"""The parts of the page: they show values of the desk and send intentions."""
