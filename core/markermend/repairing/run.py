@@ -205,6 +205,22 @@ class _Poser:
         )
 
 
+def pose(
+    take: Take,
+    wish: Wish,
+    masked: Iterable[tuple[str, Span]] = (),
+    training: Sequence[Take] = (),
+) -> Problem:
+    """Pose one wish as the problem that its method would be given; see `repair`.
+
+    Raises
+    ------
+    BadInput
+        If the span lies outside the take or the marker is not repaired.
+    """
+    return _Poser(take, [(wish.marker, wish.span), *masked], training).pose(wish)
+
+
 def _grant(poser: _Poser, wish: Wish) -> Repair:
     problem = poser.pose(wish)
     if wish.method:
@@ -230,6 +246,13 @@ def solve(problem: Problem, method: Method, parameters: Mapping[str, Any]) -> Re
     """
     given: Outcome | FloatArray = method(problem, **parameters)
     outcome = given if isinstance(given, Outcome) else Outcome(given)
+    return accept(problem, method, outcome, parameters)
+
+
+def accept(
+    problem: Problem, method: Method, outcome: Outcome, parameters: Mapping[str, Any]
+) -> Repair:
+    """Check what a method gave back, and make a repair of it; raises as `solve` does."""
     values = np.asarray(outcome.values, np.float64)
     wanted = (len(problem.span), problem.n_dims)
     if values.shape != wanted:

@@ -1,15 +1,15 @@
 """The 90 % band by position in a gap, from the errors on pseudo-gaps."""
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from markermend.model import FloatArray
-from markermend.repairing.blend.pseudo import PseudoGaps
 
 SHARE = 0.9
 
 
-def band_by_position(errors: FloatArray, pseudo: PseudoGaps) -> FloatArray:
+def band_by_position(errors: FloatArray, inside: NDArray[np.intp], length: int) -> FloatArray:
     """Give the level under which 90 % of the errors stay, growing away from the edges.
 
     All gaps share one shape over the position, their root mean square error; the level is the
@@ -19,6 +19,10 @@ def band_by_position(errors: FloatArray, pseudo: PseudoGaps) -> FloatArray:
     ----------
     errors
         (n_pseudo, n_inside) mm.
+    inside
+        (n_inside,): the offsets in the gap that they belong to.
+    length
+        Frames of the gap.
 
     Returns
     -------
@@ -27,4 +31,4 @@ def band_by_position(errors: FloatArray, pseudo: PseudoGaps) -> FloatArray:
     shape = np.sqrt(np.square(errors).mean(axis=0))
     shape = gaussian_filter1d(shape, max(0.04 * len(shape), 0.5), mode="nearest") + 1e-6
     level = np.quantile(errors / shape, SHARE)
-    return np.interp(np.arange(pseudo.length), pseudo.inside, level * shape)
+    return np.interp(np.arange(length), inside, level * shape)

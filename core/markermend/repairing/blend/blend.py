@@ -49,7 +49,7 @@ class Blend:
 
     def band(self) -> FloatArray:
         """Give the 90 % band by position in the gap, (length,) mm."""
-        return band_by_position(self.errors, self.pseudo)
+        return band_by_position(self.errors, self.pseudo.inside, self.pseudo.length)
 
 
 def blend(around: Scene) -> Blend | None:

@@ -14,7 +14,12 @@ def decide(problem: Problem) -> Outcome:
     """Fill the span by the best means that it allows; see `markermend.repairing.methods.auto`."""
     around = survey(window(problem))
     _check(around)
-    found = blend(around)
+    return outcome(problem, around, blend(around))
+
+
+def outcome(problem: Problem, around: Scene, found: Blend | None) -> Outcome:
+    """Say what was found, or what is done where no mix could be tested."""
+    _check(around)
     if found is not None:
         return Outcome(found.values, found.band(), found.expected_mm, _note(around, found))
     reason = f"no other stretch of {len(problem.span)} frames is whole, so nothing could be tested"
