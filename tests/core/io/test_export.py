@@ -1,11 +1,14 @@
 """An export is the source with nothing changed but the repaired samples."""
 
+import io
 import os
 import tempfile
+import zipfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
+import ezc3d
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -139,6 +142,27 @@ def test_a_repaired_sample_is_marked_as_computed(gait: Take, tmp_path: Path) -> 
     assert after == before & 0x7F00  # residual 0: computed; the cameras stay noted
 
 
+@pytest.mark.parametrize("name", [n for n in FILES if n.startswith("public")])
+def test_ezc3d_sees_the_repaired_samples_and_no_others(
+    name: str, takes: Callable[[str], Take], shared: Path, tmp_path: Path
+) -> None:
+    take = takes(name)
+    spans, repaired = repairs(take, seed=5, n_spans=3)
+    export(take, repaired, tmp_path / "out.c3d", spans)
+    before, after = (
+        ezc3d.c3d(str(path))["data"] for path in (shared / "data" / name, tmp_path / "out.c3d")
+    )
+    mine = ~np.isclose(take.positions, repaired.positions, atol=1e-3, equal_nan=True).all(axis=2)
+    foreign = np.stack([before["points"], after["points"]])[:, :3].transpose(0, 3, 2, 1)
+    changed = ~((foreign[0] == foreign[1]) | np.isnan(foreign).all(axis=0)).all(axis=2)
+    assert mine.any()
+    assert (changed[mine] | ~repaired.seen[mine]).all()
+    assert not (changed & ~mine).any()
+    assert np.array_equal(before["analogs"], after["analogs"])
+    residuals = after["meta_points"]["residuals"][0].T
+    assert (residuals[mine & repaired.seen] >= 0).all()
+
+
 def test_samples_outside_the_spans_are_refused(gait: Take, tmp_path: Path) -> None:
     repaired, spans = moved(gait)
     with pytest.raises(BadInput, match="outside the accepted spans"):
@@ -213,6 +237,18 @@ def test_pickled_objects_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "evil.npz"
     np.savez(path, positions=np.array([object()], dtype=object))
     with pytest.raises(BadInput, match="plain arrays"):
+        read(path)
+
+
+def test_a_header_that_claims_too_much_is_refused(tmp_path: Path) -> None:
+    header = io.BytesIO()
+    np.lib.format.write_array_header_1_0(
+        header, {"descr": "<f8", "fortran_order": False, "shape": (10**9, 50, 3)}
+    )
+    path = tmp_path / "huge.npz"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("positions.npy", header.getvalue() + bytes(100))
+    with pytest.raises(BadInput, match="claims 1200"):
         read(path)
 
 

@@ -1,5 +1,6 @@
 """C3D, the binary format of most motion capture systems."""
 
+import hashlib
 import math
 from pathlib import Path
 
@@ -14,7 +15,6 @@ from markermend.io.c3d_writer import write_c3d
 from markermend.io.contents import (
     Contents,
     seen_only,
-    sha256_of,
     unique_labels,
     unit_name,
     warned,
@@ -59,7 +59,7 @@ def open_c3d(path: Path, reading: Reading) -> Contents:
     return Contents(
         path=path,
         format="c3d",
-        sha256=sha256_of(path),
+        sha256=hashlib.sha256(data.data).hexdigest(),
         positions=positions,
         rate=layout.rate,
         units=units,

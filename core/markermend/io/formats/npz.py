@@ -1,7 +1,9 @@
 """NumPy's .npz: positions, labels and rate as plain arrays, without pickled objects."""
 
 import io
+import math
 import zipfile
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -70,19 +72,39 @@ def open_npz(path: Path, _reading: Reading) -> Contents:
 
 
 def _arrays(path: Path) -> dict[str, np.ndarray[Any, Any]]:
+    """Load all arrays, once their headers promise no more than the archive holds."""
     try:
         with zipfile.ZipFile(path) as archive:
-            unpacked = sum(member.file_size for member in archive.infolist())
-        if unpacked > 32 * MOST_SAMPLES:
-            raise UnreadableTake(
-                f"{path.name} unpacks to {unpacked / 1e9:.1f} GB; cut the recording into parts."
-            )
+            for member in archive.infolist():
+                _check_header(path, archive, member)
         with np.load(path, allow_pickle=False) as stored:
             return {name: stored[name] for name in stored.files}
     except UnreadableTake:
         raise
+    # A broken archive raises almost anything; what zipfile and numpy document is here.
     except (OSError, ValueError, zipfile.BadZipFile, NotImplementedError, EOFError) as error:
         raise UnreadableTake(f"{path.name} is no archive of plain arrays: {error}.") from None
+    except (zlib.error, MemoryError, RuntimeError, KeyError) as error:
+        raise UnreadableTake(f"{path.name} is a broken archive ({error}).") from None
+
+
+def _check_header(path: Path, archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> None:
+    with archive.open(member) as file:
+        version = np.lib.format.read_magic(file)
+        if version == (1, 0):
+            shape, _, dtype = np.lib.format.read_array_header_1_0(file)
+        elif version == (2, 0):
+            shape, _, dtype = np.lib.format.read_array_header_2_0(file)
+        else:
+            raise ValueError(f"format version {version} of {member.filename}")
+    if dtype.hasobject:
+        raise ValueError(f"{member.filename} holds objects")
+    size = math.prod(shape) * dtype.itemsize
+    if size > min(member.file_size, 32 * MOST_SAMPLES):
+        raise UnreadableTake(
+            f"{member.filename} in {path.name} claims {size / 1e9:.1f} GB, more than is there or "
+            "than one take may have."
+        )
 
 
 def _number(arrays: dict[str, np.ndarray[Any, Any]], name: str) -> float | None:

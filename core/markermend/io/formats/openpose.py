@@ -115,7 +115,7 @@ def _people(name: str, content: bytes) -> list[list[float]]:
         frame: Any = json.loads(content)
         people = [person["pose_keypoints_2d"] for person in frame["people"]]
         return [[float(x) for x in person] for person in people if person]
-    except (ValueError, KeyError, TypeError, RecursionError):
+    except (ValueError, KeyError, TypeError, RecursionError, OverflowError, AttributeError):
         raise UnreadableTake(f"{name} is no keypoint file of OpenPose.") from None
 
 
