@@ -176,8 +176,12 @@ def layout_of(head: bytes, size: int) -> C3DLayout:
         )
     if not parameters.complete:
         warnings.append("Some parameters of the file are damaged and were left out.")
-    rate = parameters.number("POINT:RATE")
-    rate = rate if rate and math.isfinite(rate) and rate > 0 else header.rate
+    rate, rate_warnings = _rate(header, parameters)
+    warnings += rate_warnings
+    if header.first > header.last > 0:
+        warnings.append(
+            f"The header's first frame, {header.first}, comes after its last, {header.last}."
+        )
     return C3DLayout(
         order=order,
         is_float=chosen.scale < 0,
@@ -187,7 +191,7 @@ def layout_of(head: bytes, size: int) -> C3DLayout:
         n_analog=chosen.analog,
         n_frames=n_frames,
         n_announced=announced,
-        rate=rate if math.isfinite(rate) and rate > 0 else None,
+        rate=rate,
         first_frame=_start_field(parameters) or header.first,
         parameters=parameters,
         header_events=header.events,
@@ -294,6 +298,21 @@ def _choose(header: _Header, parameters: C3DParameters, size: int) -> tuple[_Cla
                 f"{' and '.join(others)} overruled."
             )
     return chosen, warnings
+
+
+def _rate(header: _Header, parameters: C3DParameters) -> tuple[float | None, list[str]]:
+    """Choose between POINT:RATE and the header's rate."""
+    said = [parameters.number("POINT:RATE"), header.rate]
+    sensible = [rate for rate in said if rate is not None and math.isfinite(rate) and rate > 0]
+    if not sensible:
+        return None, []
+    rate = sensible[0]
+    others = [f"{x:g}" for x in said if x is not None and not math.isclose(x, rate, rel_tol=1e-4)]
+    if not others:
+        return rate, []
+    return rate, [
+        f"The file contradicts itself about its rate: {rate:g} Hz was taken, {others[0]} overruled."
+    ]
 
 
 def _said(*values: float | None, zero: bool = False, least: float = -math.inf) -> list[float]:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from markermend import Take, read
-from markermend.errors import Lacking, UnreadableTake
+from markermend.errors import BadInput, Lacking, UnreadableTake
 from markermend.io import Contents, Reading, all_formats, open_contents, second_reader
 from markermend.io.c3d_layout import read_layout
 from markermend.io.c3d_numbers import ByteOrder, from_floats, to_floats
@@ -104,13 +104,16 @@ def test_a_file_cut_anywhere_is_refused_or_named(
 
 def test_what_a_file_lacks_is_named_with_the_option(shared: Path) -> None:
     path = shared / "data/public/labelled_prone_to_run_240hz.c3d"
-    assert open_contents(path).units is None
     with pytest.raises(Lacking, match="--units") as caught:
         read(path)
     assert caught.value.what == "units"
-    assert read(path, units="m").positions[0, 0, 0] == pytest.approx(
-        1000 * read(path, units="mm").positions[0, 0, 0]
-    )
+    contents = alone(path)
+    assert contents.units is None
+    in_mm, in_m = contents.take(units="mm"), contents.take(units="m")
+    np.testing.assert_allclose(in_m.positions, 1000 * in_mm.positions)
+    with pytest.raises(BadInput, match="mm, cm, m"):
+        contents.take(units="inch")
+    assert "was used, as told" in contents.take(units="mm", rate=100).warnings[-1]
 
 
 def test_residuals_can_be_ignored(shared: Path) -> None:
@@ -171,6 +174,22 @@ ODD = [
     "nonstandard_Facial-Sing.c3d", "not_a_c3d_gait-raw.c3d", "offset_not_int_Dance.c3d",
     "one_frame_MyCube.c3d", "sgi_MACsample.c3d", "xsens_int_no_analog.c3d",
 ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("gen_header_rate0.c3d", "200 Hz was taken, 0 overruled"),
+        ("gen_header_65535_points.c3d", "55 was taken, 65535 overruled"),
+        ("gen_header_first_after_last.c3d", "comes after its last"),
+        ("gen_70000_frames.c3d", "all that the file holds"),
+        ("gen_nan_inf_coords.c3d", "count as not seen: 2"),
+        ("duplicate_labels.c3d", "26 labels occur more than once"),
+        ("all_zero_points_16bitanalog.c3d", "No marker is seen"),
+    ],
+)
+def test_what_a_file_says_wrongly_is_a_warning(name: str, said: str, shared: Path) -> None:
+    assert said in " ".join(alone(shared / "data/odd" / name).warnings)
 
 
 @pytest.mark.parametrize("name", ODD)
