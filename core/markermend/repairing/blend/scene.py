@@ -15,6 +15,7 @@ from markermend.repairing.geometry import (
     distance_spread,
     kabsch,
 )
+from markermend.repairing.kriging import hermite
 from markermend.repairing.problem import Problem
 from markermend.repairing.window import Window, window
 
@@ -22,7 +23,10 @@ BOUNDARY = 12
 """Seen frames on each side of a gap that what is left over is kriged from."""
 REACH = 24
 """Frames beyond which a seen frame says nothing about the edge any more."""
-SHORT_DROPOUT_S = 0.2
+SHORT_DROPOUT_S = 0.1
+"""A neighbour's drop-out up to here is bridged where the marker only learns from it."""
+TINY_DROPOUT_S = 0.025
+"""The same inside the span, where the fill would follow the bridge."""
 KEPT_SHARE = 0.5
 MOST_FRAMES_FOR_SPREAD = 600
 
@@ -138,21 +142,20 @@ def boundary_frames(rows: BoolArray, start: int, stop: int) -> NDArray[np.intp]:
 
 
 def _bridged(cut: Window) -> tuple[FloatArray, BoolArray]:
-    """Bridge the short drop-outs of all other markers by straight lines."""
+    """Bridge the short drop-outs of all other markers by cubics."""
     if cut.seen.all(axis=0).sum() >= len(cut.labels) - 1:
         return cut.positions, cut.seen
     positions, seen = cut.positions.copy(), cut.seen.copy()
-    longest = SHORT_DROPOUT_S * cut.rate
+    hull = cut.span.padded(1, cut.n_frames)
     for m in np.flatnonzero(~cut.seen.all(axis=0)):
         if m == cut.marker:
             continue
         known = np.flatnonzero(cut.seen[:, m])
         for gap in runs(~cut.seen[:, m]):
-            if len(gap) <= longest and gap.start > 0 and gap.stop < cut.n_frames:
-                frames = np.arange(gap.start, gap.stop)
-                for d in range(cut.n_dims):
-                    positions[gap.frames, m, d] = np.interp(
-                        frames, known, cut.positions[known, m, d]
-                    )
+            longest = TINY_DROPOUT_S if gap.overlaps(hull) else SHORT_DROPOUT_S
+            if len(gap) <= longest * cut.rate and gap.start > 0 and gap.stop < cut.n_frames:
+                near = known[(known >= gap.start - 3) & (known < gap.stop + 3)]
+                weights = hermite(np.arange(gap.start, gap.stop) * 1.0, near * 1.0)
+                positions[gap.frames, m] = weights @ cut.positions[near, m]
                 seen[gap.frames, m] = True
     return positions, seen
