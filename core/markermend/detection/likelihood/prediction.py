@@ -48,6 +48,10 @@ class Prediction:
         """Turn local vectors (n, 3) of these frames into lab directions."""
         return np.einsum("jin,nj->ni", self.turn[:, :, frames], vectors)
 
+    def to_local(self, vectors: FloatArray) -> FloatArray:
+        """Turn lab vectors (n_frames, 3) into local directions."""
+        return np.einsum("ijn,nj->ni", self.turn, vectors)
+
 
 def local_frames(positions: FloatArray, markers: NDArray[np.intp]) -> tuple[FloatArray, FloatArray]:
     """Follow a few markers: lab-to-local rotations (3, 3, n_frames) and centres (n_frames, 3).

@@ -1,29 +1,22 @@
-"""Peaks and heavy noise: single frames that neither the marker's own path nor its mates explain."""
+"""Heavy noise, and what the stages for sudden artefacts share."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft
 
-from markermend.detection.likelihood import templates
 from markermend.detection.likelihood.scales import (
     MEDIAN_OF_CHI3,
     QUARTILE_OF_CHI3,
     rolling_quantile,
 )
-from markermend.detection.likelihood.whitening import Whitened
 from markermend.model import BoolArray, FloatArray, Kind
 
-LONGEST_PEAK = 3
 LEAST = 0.5  # candidates are kept down to this strength
 _SCALE_HALF = 40
 _LONG_HALF = 120
 _MATES = 5
 MATE_SHARE = 0.7
-_FLANK = 8
-_FLANK_SHARE = 1.0
-_JUMP_HALF = 6
 
 _NOISE_LEVEL = 3.5  # a frame speaks for noise above this many local scales
 _NOISE_GAIN = (-0.7, 1.0)  # bounds of what one frame can say
@@ -46,75 +39,6 @@ class Candidate:
     stop: int
     strength: float
     statistic: float
-
-
-@dataclass(frozen=True, eq=False)
-class Witness:
-    """Boxes and jumps scored on one set of series, the marker's own path or its residual.
-
-    Attributes
-    ----------
-    N
-        By box length - 1: (n_series, n_frames) sums over boxes that start at each frame.
-    q
-        By box length - 1: (n_series,) energies.
-    usual
-        By box length - 1: (n_markers, n_frames) local scale of the score, at least 1.
-    answer
-        By box length - 1: (n_series, 2 * flank + 1) what a box of 1 adds to ``N[0]`` around it.
-    jump
-        (n_markers, n_frames): normalised score of a jump before each frame.
-    """
-
-    N: tuple[FloatArray, ...]
-    q: tuple[FloatArray, ...]
-    usual: tuple[FloatArray, ...]
-    answer: tuple[FloatArray, ...]
-    jump: FloatArray
-
-    def score(self, length: int) -> FloatArray:
-        """(n_markers, n_frames): normalised scores of boxes of this length."""
-        return templates.score(self.N[length - 1], self.q[length - 1]) / self.usual[length - 1]
-
-    def after(self, marker: int, frame: int, length: int) -> FloatArray:
-        """Scores of single frames around a box once the best box is taken out: (2 flank + 1,)."""
-        rows = slice(3 * marker, 3 * marker + 3)
-        N = self.N[length - 1][rows, frame] / self.q[length - 1][rows]
-        n = self.N[0].shape[1]
-        around = np.clip(np.arange(frame - _FLANK, frame + _FLANK + 1), 0, n - 1)
-        left = self.N[0][rows][:, around] - N[:, None] * self.answer[length - 1][rows]
-        z = np.sqrt((left**2 / self.q[0][rows, None]).sum(0))
-        return z / self.usual[0][marker, around]
-
-
-def witness(whitened: Whitened, valid: BoolArray) -> Witness:
-    """Score all boxes of 1 to 3 frames, and jumps.
-
-    Parameters
-    ----------
-    whitened
-        Three series per marker.
-    valid
-        (n_markers, n_frames): frames that count for the local scale.
-    """
-    total = templates.sums(whitened)
-    N, q, usual, answer = [], [], [], []
-    one = fft.rfft(np.ones(1), whitened.size)
-    for length in range(1, LONGEST_PEAK + 1):
-        shape = np.ones(length)
-        sums = np.pad(templates.boxes(total, length), ((0, 0), (0, length - 1)))
-        energy = whitened.energy(shape)
-        N.append(sums)
-        q.append(energy)
-        usual.append(local_scale(templates.score(sums, energy), valid))
-        spread = fft.irfft(whitened.weight * fft.rfft(shape, whitened.size) * one, whitened.size)
-        answer.append(np.concatenate((spread[:, -_FLANK:], spread[:, : _FLANK + 1]), axis=1))
-    z = templates.score(
-        templates.jumps(total, _JUMP_HALF),
-        whitened.energy(templates.jump_template(_JUMP_HALF)),
-    )
-    jump = z / local_scale(z, valid)
-    return Witness(tuple(N), tuple(q), tuple(usual), tuple(answer), jump)
 
 
 def local_scale(z: FloatArray, valid: BoolArray) -> FloatArray:
@@ -175,7 +99,7 @@ def find_noise(rough: FloatArray, positions: FloatArray, threshold: float) -> li
         for i, j in zip(firsts, lasts, strict=True):
             for a, b, total in _heaviest(gain[m], int(hot[i]), int(hot[j]) + 1):
                 if b - a < _LONG_NOISE:
-                    total *= _rest_without_peaks(positions[a - 4 : b + 4, m])
+                    total *= _rest_without_peaks(positions[max(0, a - 4) : b + 4, m])
                 strength = total / (_NOISE_TOTAL * threshold)
                 a, b = _first_frame(rough[m], a, 1), _first_frame(rough[m], b - 1, -1) + 1
                 if b - a >= _SHORTEST_NOISE and strength >= LEAST:
@@ -220,51 +144,3 @@ def _heaviest(gain: FloatArray, start: int, stop: int) -> list[tuple[int, int, f
         return []
     a, b = start + i, start + j
     return [(a, b, total), *_heaviest(gain, start, a), *_heaviest(gain, b, stop)]
-
-
-def find_peaks(
-    own: Witness, residual: Witness, mates: FloatArray, free: BoolArray, threshold: float
-) -> list[Candidate]:
-    """Boxes of 1 to 3 frames on which both witnesses agree and that leave nothing behind.
-
-    A kink, as of a heel strike, also scores; but with the best box taken out its flanks still do.
-
-    Parameters
-    ----------
-    own, residual
-        The witnesses.
-    mates
-        From `mates_of`.
-    free
-        (n_markers, n_frames): frames that are seen and not explained yet.
-    threshold
-        Score, in local noise scales, that a peak has to pass.
-    """
-    lengths = range(1, LONGEST_PEAK + 1)
-    u = np.array([np.minimum(own.score(k), residual.score(k)) for k in lengths])
-    jump = np.minimum(own.jump, residual.jump)
-    n = free.shape[1]
-    for k in lengths:
-        for shift in range(k):
-            u[k - 1, :, : n - shift] *= free[:, shift:]
-        u[k - 1, :, n - k + 1 :] = 0.0
-    best = u.max(0)
-    hot = np.argwhere(best > LEAST * threshold)
-    order = np.argsort(-best[hot[:, 0], hot[:, 1]], kind="stable")
-    used = np.zeros_like(free)
-    found = []
-    for m, t in hot[order].tolist():
-        length = int(u[:, m, t].argmax()) + 1
-        raw = float(best[m, t])
-        if used[m, t : t + length].any():
-            continue
-        used[m, max(0, t - 3) : t + length + 3] = True
-        if jump[m, max(0, t - 3) : t + length + 4].max() > raw:
-            continue  # a jump explains it better
-        left = np.minimum(own.after(m, t, length), residual.after(m, t, length))
-        frames = np.clip(np.arange(t - _FLANK, t + _FLANK + 1), 0, n - 1)
-        side = float(left[free[m, frames]].max(initial=0.0))
-        strength = raw / max(1.0, MATE_SHARE * mates[m, t], _FLANK_SHARE * side) / threshold
-        if strength >= LEAST:
-            found.append(Candidate("peak", m, t, t + length, strength, raw))
-    return found

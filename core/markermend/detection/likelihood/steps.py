@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from markermend.detection.likelihood import templates
-from markermend.detection.likelihood.sharp import LEAST, Candidate, local_scale, mates_of
+from markermend.detection.likelihood.sharp import LEAST, MATE_SHARE, Candidate, local_scale, mates_of
 from markermend.detection.likelihood.whitening import Whitened
 from markermend.model import BoolArray, FloatArray
 
@@ -16,7 +16,6 @@ _HALF = 6
 _REACH = 16  # frames around an edge that its own answer is taken out of
 _SIDE = 8  # frames in which nothing much may be left
 _SIDE_SHARE = 1.0
-_MATE_SHARE = 0.7
 _MISMATCH = 0.6  # most of |J1 + J2| / (|J1| + |J2|)
 _MOST_EDGES = 24  # per marker, the strongest ones
 
@@ -100,7 +99,7 @@ def find_steps(
     """
     own_score = own.score()
     mates = mates_of(own_score, free, neighbours)
-    share = free / np.maximum(1.0, _MATE_SHARE * mates)
+    share = free / np.maximum(1.0, MATE_SHARE * mates)
     agreed = np.minimum(own_score, residual.score()) * share
     found = []
     for m in np.flatnonzero((agreed > LEAST * threshold).sum(1) >= 2):

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, uniform_filter1d
 
-from markermend.detection.likelihood import sharp, slow, steps
+from markermend.detection.likelihood import peaks, sharp, slow, steps
 from markermend.detection.likelihood.filling import bridged, interpolated
 from markermend.detection.likelihood.neighbours import steadiest
 from markermend.detection.likelihood.nullscale import learnt_scale, speeds
@@ -22,6 +22,7 @@ from markermend.detection.likelihood.whitening import whiten
 from markermend.model import BoolArray, FloatArray
 
 SHORTEST = 32  # frames below which no spectrum can be estimated
+_OWN_FACTOR = 1.5  # how much clearer a peak must be where its path alone tells
 FEWEST = 4  # markers below which there is no local frame
 
 
@@ -85,6 +86,7 @@ def scan_window(recorded: FloatArray, settings: Settings) -> Scan:
             predictions[m] = predict_marker(positions, good, m, neighbours[m])
 
     predictions: dict[int, Prediction] = {}
+    valid = ~binary_dilation(~seen.T, np.ones((1, 3)))  # a gap's neighbours in time are no witness
     gappy = np.flatnonzero(~seen.all(0))
     if not alone:
         # Gaps first: their linear stopgap is replaced by what the neighbours say.
@@ -92,8 +94,11 @@ def scan_window(recorded: FloatArray, settings: Settings) -> Scan:
         for m in gappy.tolist():
             p = predictions[m]
             dense[:, m] -= p.to_lab(p.residual - bridged(p.residual, ~seen[:, m]))
-        predict(np.arange(n_markers), dense, seen)
+        clean = _without_peaks(dense, valid, neighbours, settings)
+        predict(np.arange(n_markers), clean, seen)
         residual = np.array([predictions[m].residual for m in range(n_markers)])
+        for m in np.flatnonzero((clean != dense).any((0, 2))).tolist():
+            residual[m] += predictions[m].to_local(dense[:, m] - clean[:, m])
         residual = np.array(
             [bridged(r, ~s) if not s.all() else r for r, s in zip(residual, seen.T, strict=True)]
         )
@@ -101,8 +106,6 @@ def scan_window(recorded: FloatArray, settings: Settings) -> Scan:
         residual = dense.transpose(1, 0, 2).copy()
     order = 2 if alone else 1
     own = np.ascontiguousarray(dense.transpose(1, 0, 2))
-    beside_gap = binary_dilation(~seen.T, np.ones((1, 3)))
-    valid = ~beside_gap
     found = _noise(own, residual, dense, valid, neighbours, settings)
     free = valid & ~_mask(found, valid.shape, 3)
     found += _peaks(own, residual, free, neighbours, order, settings)
@@ -176,6 +179,25 @@ def _noise(
     return sharp.find_noise(rough, dense, settings.noise)
 
 
+def _without_peaks(
+    dense: FloatArray, valid: BoolArray, neighbours: NDArray[np.intp], settings: Settings
+) -> FloatArray:
+    """Positions without the peaks that paths alone show: what the neighbours are given to learn."""
+    own = dense.transpose(1, 0, 2)
+    rough = sharp.roughness(own, valid, settings.floor)
+    rough /= np.maximum(1.0, sharp.MATE_SHARE * sharp.mates_of(rough, valid, neighbours))
+    noise = sharp.find_noise(rough, dense, settings.noise)
+    free = valid & ~_mask(noise, valid.shape, 3)
+    mine = peaks.witness(whiten(_series(own), settings.floor, 2), free)
+    mates = sharp.mates_of(mine.score(), free, neighbours)
+    clean = dense.copy()
+    for peak in peaks.find_peaks((mine,), mates, free, _OWN_FACTOR * settings.peak):
+        c = peak.candidate
+        if c.strength >= 1.0:
+            clean[c.start : c.stop, c.marker] -= peak.sizes[0]
+    return clean
+
+
 def _peaks(
     own: FloatArray,
     residual: FloatArray,
@@ -184,10 +206,10 @@ def _peaks(
     order: int,
     settings: Settings,
 ) -> list[Candidate]:
-    mine = sharp.witness(whiten(_series(own), settings.floor, 2), free)
-    theirs = sharp.witness(whiten(_series(residual), settings.floor, order), free)
-    mates = sharp.mates_of(mine.score(1), free, neighbours)
-    return sharp.find_peaks(mine, theirs, mates, free, settings.peak)
+    mine = peaks.witness(whiten(_series(own), settings.floor, 2), free)
+    theirs = peaks.witness(whiten(_series(residual), settings.floor, order), free)
+    mates = sharp.mates_of(mine.score(), free, neighbours)
+    return [p.candidate for p in peaks.find_peaks((mine, theirs), mates, free, settings.peak)]
 
 
 def _slow(
