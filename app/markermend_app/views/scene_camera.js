@@ -74,8 +74,9 @@ export class OrbitCamera {
   frame(size, from, heading) {
     const turns = { front: [0, 0.06], side: [Math.PI / 2, 0.06], top: [0, MAX_ELEVATION] };
     const [turn, elevation] = turns[from] ?? [0.75, 0.16];
-    this.azimuth = heading + turn;
-    this.elevation = elevation;
+    const isPicture = size[1] <= 1; // a take in two dimensions stands in the plane y = 0
+    this.azimuth = isPicture ? -Math.PI / 2 : heading + turn;
+    this.elevation = isPicture ? 0 : elevation;
     this.offset = [0, 0, 0];
     const flat = Math.hypot(size[0], size[1]);
     const tall = from === "top" ? flat : size[2];

@@ -35,6 +35,7 @@ export class CanvasPainter {
     pen.lineJoin = "round";
     this.paintPath(picture.rawTrail, camera, css(picture.colour ?? colours.ink), 1.2);
     this.paintPath(picture.trail, camera, css(colours.accent), 2);
+    this.paintSelected(picture, camera, colours);
     if (picture.ghost) {
       const at = [0, 0, 0];
       camera.project(...picture.ghost, at);
@@ -92,7 +93,9 @@ export class CanvasPainter {
       const [i, j] = [bones[b], bones[b + 1]];
       if (seen[i] && seen[j]) things.push([(screen[3 * i + 2] + screen[3 * j + 2]) / 2, i, j]);
     }
-    for (let i = 0; i < picture.n; i++) if (seen[i]) things.push([screen[3 * i + 2] - 20, i, -1]);
+    for (let i = 0; i < picture.n; i++) {
+      if (seen[i] && i !== picture.selected) things.push([screen[3 * i + 2] - 20, i, -1]);
+    }
     things.sort((a, b) => b[0] - a[0]);
     for (const [depth, i, j] of things) {
       if (j < 0) this.paintMarker(picture, camera, colours, i);
@@ -114,12 +117,16 @@ export class CanvasPainter {
   paintMarker(picture, camera, colours, i) {
     const [x, y, depth] = picture.screen.subarray(3 * i, 3 * i + 3);
     const radius = picture.radius(i, camera) / camera.millimetres(depth);
-    if (i === picture.selected) {
-      this.circle(x, y, radius, css(colours.accent), css(picture.inSpan ? picture.colour : colours.panel), 2);
-      return;
-    }
     this.circle(x, y, radius, css(mix(colours.marker, colours.view, picture.fade[i], [])));
     if (picture.neighbours.includes(i)) this.circle(x, y, radius + 2.8, null, css(colours.ink), 1.4);
+  }
+
+  paintSelected(picture, camera, colours) {
+    const i = picture.selected;
+    if (i < 0 || !picture.seen[i]) return;
+    const [x, y, depth] = picture.screen.subarray(3 * i, 3 * i + 3);
+    const radius = picture.radius(i, camera) / camera.millimetres(depth);
+    this.circle(x, y, radius, css(colours.accent), css(picture.outline(colours)), 2);
   }
 
   paintPath(path, camera, colour, width) {

@@ -108,6 +108,11 @@ export class Picture {
     }
   }
 
+  // Around the selected marker: its kind's colour within the span, unless the raw ring shows it.
+  outline(colours) {
+    return this.inSpan && !this.ghost ? this.colour : colours.panel;
+  }
+
   // Radius in mm, never less than can be seen on the screen.
   radius(i, camera) {
     const [mm, px] = i === this.selected

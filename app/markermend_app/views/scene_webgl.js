@@ -116,6 +116,7 @@ export class WebGLPainter {
     this.canvas = this.view.getCanvas();
     this.canvas.addEventListener("webglcontextlost", onLost, { once: true });
     this.camera = this.renderer.getActiveCamera();
+    this.place = [0, 0, 0];
   }
 
   setScene(meshes, take) {
@@ -124,7 +125,7 @@ export class WebGLPainter {
     const copies = (shape, capacity) =>
       new Copies(vtk, renderer, polydata(vtk, meshes[shape]), capacity);
     this.floor = this.addFloor(meshes.floor);
-    this.discs = copies("disc", 2 * take.n_markers); // markers and their shadows
+    this.discs = copies("disc", Math.max(1, 2 * take.n_markers)); // markers and their shadows
     this.bones = copies("bone", Math.max(1, take.bones.length / 2));
     this.rings = copies("ring", take.n_markers + 2);
     this.paths = [[1, "rawTrail"], [2, "trail"]].map(([width, name]) =>
@@ -190,12 +191,15 @@ export class WebGLPainter {
       if (!seen[i]) continue;
       const x = xyz[3 * i], y = xyz[3 * i + 1], z = xyz[3 * i + 2];
       const radius = picture.radius(i, camera);
-      // Nearer to the eye by its radius, as the front of a ball is: clear of the bones' ends.
-      const at = discs.add(x + radius * back[0], y + radius * back[1], z + radius * back[2],
-        facing, radius, 1);
-      const chosen = i === picture.selected;
-      mix(chosen ? colours.accent : colours.marker, colours.view, chosen ? 1 : fade[i],
-        discs.colours, at);
+      if (i === picture.selected) {
+        const scale = nearer(camera, x, y, z, 0, this.place);
+        discs.colours.set(colours.accent, discs.add(...this.place, facing, radius * scale, 1));
+      } else {
+        // Nearer to the eye by its radius, as the front of a ball is: clear of the bones' ends.
+        const at = discs.add(x + radius * back[0], y + radius * back[1], z + radius * back[2],
+          facing, radius, 1);
+        mix(colours.marker, colours.view, fade[i], discs.colours, at);
+      }
       const on = discs.add(x, y, this.take.floor + 1, FLAT, 1.7 * radius, 1);
       discs.colours.set(colours.shadow, on);
     }
@@ -223,24 +227,23 @@ export class WebGLPainter {
 
   paintRings(picture, camera, colours, home, facing) {
     this.rings.begin(home);
-    const ring = (x, y, z, radius, colour) => {
-      const near = radius + 6; // towards the eye, clear of the ball inside
-      const at = this.rings.add(x + near * camera.back[0], y + near * camera.back[1],
-        z + near * camera.back[2], facing, radius, radius);
+    const ring = (x, y, z, radius, colour, layer) => {
+      const scale = nearer(camera, x, y, z, layer, this.place);
+      const at = this.rings.add(...this.place, facing, radius * scale, 1);
       this.rings.colours.set(colour, at);
     };
-    const around = (i, extra, colour) => {
+    const around = (i, extra, colour, layer) => {
       if (i < 0 || !picture.seen[i]) return;
       const radius = picture.radius(i, camera) + extra * camera.millimetres(picture.screen[3 * i + 2]);
-      ring(picture.xyz[3 * i], picture.xyz[3 * i + 1], picture.xyz[3 * i + 2], radius, colour);
+      ring(picture.xyz[3 * i], picture.xyz[3 * i + 1], picture.xyz[3 * i + 2], radius, colour, layer);
     };
-    for (const i of picture.neighbours) around(i, 3.5, colours.ink);
-    around(picture.selected, 2, picture.inSpan ? picture.colour : colours.panel);
+    for (const i of picture.neighbours) around(i, 3.5, colours.ink, -1);
+    around(picture.selected, 2, picture.outline(colours), 1);
     if (picture.ghost) {
       const depth = picture.seen[picture.selected]
         ? picture.screen[3 * picture.selected + 2] : camera.distance;
       const radius = Math.max(20, 6.5 * camera.millimetres(depth));
-      ring(...picture.ghost, radius, picture.colour);
+      ring(...picture.ghost, radius, picture.colour, 2);
     }
     this.rings.end();
   }
@@ -261,6 +264,17 @@ export class WebGLPainter {
     this.view.delete();
     this.window.delete();
   }
+}
+
+// A place before the whole body on the ray to the eye, so that what matters is never hidden; higher
+// layers lie before lower ones. Returns by how much a thing there has to shrink to look the same.
+function nearer(camera, x, y, z, layer, out) {
+  const scale = 0.5 - 0.01 * layer;
+  const [ex, ey, ez] = camera.position;
+  out[0] = ex + (x - ex) * scale;
+  out[1] = ey + (y - ey) * scale;
+  out[2] = ez + (z - ez) * scale;
+  return scale;
 }
 
 // Columns of the rotation that turns z along a bone and y to the eye.
