@@ -20,12 +20,12 @@ NO_ROTATION = {
     **dict.fromkeys(("wpca", "pca_r1"), "scales each axis to unit variance"),
     "polynomial": "raises each axis to powers",
     "ffnn": "squares each axis",
-    "unslow": "measures the scatter of each axis",
+    "unslow": "decides on each axis by itself",
     "slr": "sums the frequencies of each axis",
 }
 NO_SHIFT: dict[str, str] = {}
 NO_REVERSAL = {
-    "unslow": "compares with rlk",
+    "unslow": "takes the posture before the span for its frame of reference",
     "polynomial": "looks at past frames",
     "ffnn": "looks at past frames",
     "rlk": "its shape of reference is the posture before the span",

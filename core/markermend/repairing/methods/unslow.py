@@ -5,39 +5,40 @@ from typing import Annotated
 import numpy as np
 
 from markermend.errors import CannotRepair
-from markermend.model import FloatArray, Span
+from markermend.model import FloatArray
 from markermend.params import Within
 from markermend.registry import method
-from markermend.repairing.artefacts import recorded_around, second_differences, usual_curvature
-from markermend.repairing.methods.pchip import pchip
-from markermend.repairing.methods.rlk import rlk
+from markermend.repairing.hills import covariance, fit, unexplained
 from markermend.repairing.problem import Outcome, Problem
+from markermend.repairing.window import window
 
-LEAST_MM = 0.05
-"""Scatter of second differences that no recording goes below."""
+LEAST_OUTSIDE = 20
+"""Frames outside the span without which nothing can be said of how the marker wanders."""
 
 
 @method(
     title="Subtract the slow change",
     kinds=("slow",),
-    source="MarkerMend: a triangle by its kinks and by its distance to a fill",
+    source="MarkerMend: a triangle by generalised least squares under the neighbours' residual",
 )
 def unslow(
     problem: Problem,
     *,
     apexes: Annotated[int, Within(3, 201)] = 41,
-    misfit: Annotated[float, Within(0.01, 1)] = 0.7,
+    significance: Annotated[float, Within(0, 20)] = 3.0,
 ) -> Outcome:
     """Find the triangle that a slow change is, and take it away.
 
-    The motion within the span stays as it was recorded, less the triangle.
+    What the neighbours do not explain of the marker wanders in a way that is learnt outside the
+    span; the likeliest triangle on top of that is subtracted. The motion within the span stays as
+    it was recorded, less the triangle.
 
     Parameters
     ----------
     apexes
         Places of the apex that are tried.
-    misfit
-        Largest part of the distance to a fill that the triangle may leave unexplained.
+    significance
+        An axis stays as it is unless its height is so many times its uncertainty.
 
     Returns
     -------
@@ -46,67 +47,43 @@ def unslow(
     Raises
     ------
     CannotRepair
-        If the span was not recorded, cannot be filled for comparison, or holds no triangle.
-
-    Notes
-    -----
-    The height minimises |d - a h|² / (L s²) + |D2 x - a D2 h|² / c², where d is the distance to
-    the fill (RLK, or the monotone cubic where that refuses), whose error counts as one observation
-    of size s, and c is the usual size of second differences.
+        If the span was not recorded, too little is seen around it, or it holds no triangle.
     """
-    values, inside = recorded_around(problem)
-    label = problem.labels[problem.marker]
-    if len(inside) < 5:
+    cut = window(problem)
+    recorded = problem.recorded[problem.span.frames]
+    if len(problem.span) < 5 or not np.isfinite(recorded).all():
         raise CannotRepair(
-            f"A span of {len(inside)} frames is too short for a slow change; choose another method."
+            f"{cut.label} is not recorded in at least five frames, the whole span, so there is no "
+            "slow change to subtract; choose a method that fills gaps."
         )
-    away = values[inside.frames] - _filled(problem)
-    bends = np.linalg.norm(usual_curvature(values, inside)) / problem.n_dims**0.5
-    curvature = max(float(bends), LEAST_MM)
-    tried = np.linspace(1.0, len(inside) - 2.0, apexes)
-    fits = [_fit(values, inside, away, apex, curvature) for apex in tried]
-    cost, height, triangle, apex = min(fits, key=lambda fit: fit[0])
-    left = np.linalg.norm(away - triangle * height)
-    if not np.isfinite(cost) or left > misfit * np.linalg.norm(away):
+    rest = unexplained(problem, cut)
+    outside = int((~rest.inside).sum())
+    if outside < LEAST_OUTSIDE or not rest.inside.any():
         raise CannotRepair(
-            f"What {label} does in the span is no slow rise and fall; choose a method that fills "
-            "the span anew."
+            f"Only {outside} frames of {cut.label} around the span show how it usually wanders; "
+            "choose a method that fills the span anew."
         )
+    tops = np.linspace(1.0, len(cut.span) - 2.0, apexes)
+    at = rest.frames - cut.span.start
+    found = fit(rest, covariance(rest, cut.rate), [triangle(at, len(cut.span), t) for t in tops])
+    sure = np.abs(found.height) > significance * found.doubt
+    if not sure.any():
+        raise CannotRepair(
+            f"What {cut.label} does in the span is no slow rise and fall; choose a method that "
+            "fills the span anew."
+        )
+    height = np.where(sure, found.height, 0.0)
+    top = tops[found.which]
+    hill = triangle(np.arange(len(cut.span)), len(cut.span), top)[:, None] * height
     size = ", ".join(f"{h:+.1f}" for h in height)
     note = (
-        f"A hill of ({size}) mm with its apex at frame {problem.span.start + apex} was taken away."
+        f"A hill of ({size}) mm with its apex at frame {problem.span.start + round(top)} was taken "
+        f"away; its height is known to {found.doubt[0]:.1f} mm."
     )
-    return Outcome(values[inside.frames] - triangle * height, note=note)
+    return Outcome(recorded - hill, note=note)
 
 
-def _filled(problem: Problem) -> FloatArray:
-    try:
-        return rlk(problem)
-    except CannotRepair:
-        return pchip(problem)
-
-
-def _fit(
-    values: FloatArray, inside: Span, away: FloatArray, apex: float, curvature: float
-) -> tuple[float, FloatArray, FloatArray, float]:
-    """Fit one triangle: its cost, its height (n_dims,), itself (len, 1), and its apex."""
-    n = len(inside)
-    frames = np.arange(n)
-    rise, fall = (frames + 1) / (apex + 1), (n - frames) / (n - apex)
-    triangle = np.minimum(rise, fall)[:, None]
-    shape = np.zeros((len(values), 1))
-    shape[inside.frames] = triangle
-    bends, kinks = second_differences(values), second_differences(shape)
-    use = np.isfinite(bends[:, 0]) & (kinks[:, 0] != 0)
-    bends, kinks = bends[use], kinks[use]
-    plain = (triangle * away).sum(axis=0) / np.square(triangle).sum()
-    error = np.square(away - triangle * plain).mean()
-    of_fill, of_bends = 1.0 / (n * max(error, 1e-9)), 1.0 / curvature**2
-    power = of_fill * np.square(triangle).sum() + of_bends * np.square(kinks).sum()
-    height = (
-        of_fill * (triangle * away).sum(axis=0) + of_bends * (kinks * bends).sum(axis=0)
-    ) / power
-    cost = n * np.log(np.square(away - triangle * height).mean() + 1e-12) + of_bends * float(
-        np.square(bends - kinks * height).sum() - np.square(bends).sum()
-    )
-    return float(cost), height, triangle, apex
+def triangle(at: np.ndarray, length: int, top: float) -> FloatArray:
+    """Rise from 0 before frame 0 to 1 at `top` and fall to 0 after the last frame; 0 elsewhere."""
+    rise, fall = (at + 1) / (top + 1), (length - at) / (length - top)
+    return np.asarray(np.clip(np.minimum(rise, fall), 0.0, 1.0))
