@@ -80,8 +80,8 @@ def ffnn(
 
     Returns
     -------
-    (n_frames, len(markers), n_dims) mm; NaN for a marker without neighbours or with fewer than
-    ten trusted frames.
+    (n_frames, len(markers), n_dims) mm: the mean of the replicas (Eq. 10); NaN for a marker
+    without neighbours or with fewer than ten trusted frames.
 
     Notes
     -----
@@ -89,8 +89,45 @@ def ffnn(
     output, scaled conjugate gradients.  They print 4 M neurons without a meaning of M; P = 5
     replicas give the 20 that work.  The error is squared, in units of each coordinate's spread.
     """
+    outputs = ffnn_replicas(
+        positions,
+        trusted,
+        body,
+        markers,
+        context=context,
+        order=order,
+        window=window,
+        replicas=replicas,
+        epochs=epochs,
+        n_siblings=n_siblings,
+        seed=seed,
+    )
+    predicted: FloatArray = outputs.mean(axis=2)
+    return predicted
+
+
+def ffnn_replicas(
+    positions: FloatArray,
+    trusted: BoolArray,
+    body: Body,
+    markers: Sequence[int],
+    *,
+    context: int = 1,
+    order: int = 2,
+    window: int = 200,
+    replicas: int = 5,
+    epochs: int = 100,
+    n_siblings: int = 6,
+    seed: int = 0,
+) -> FloatArray:
+    """Predict as `ffnn` does, and give each replica of the output (Fig. 9) by itself.
+
+    Returns
+    -------
+    (n_frames, len(markers), replicas, n_dims) mm.
+    """
     n_frames, _, n_dims = positions.shape
-    predicted = np.full((n_frames, len(markers), n_dims), np.nan)
+    predicted = np.full((n_frames, len(markers), replicas, n_dims), np.nan)
     able = [
         place
         for place, marker in enumerate(markers)
@@ -126,8 +163,9 @@ def ffnn(
             block = np.arange(at, min(at + step, n_frames))
             rows = np.stack([_rows(c, block, context, width) for c in columns])
             output = scg.forward(shape, weights, rows)[-1]
-            output = output.reshape(len(group), len(block), replicas, n_dims).mean(axis=2)
-            predicted[block[:, None], group] = (output * spread + mean).transpose(1, 0, 2)
+            output = output.reshape(len(group), len(block), replicas, n_dims)
+            output = output * spread[:, :, None] + mean[:, :, None]
+            predicted[block[:, None], group] = output.transpose(1, 0, 2, 3)
     return predicted
 
 

@@ -24,6 +24,7 @@ def polynomial(
     order: int = 4,
     context: int = 3,
     n_siblings: int = 6,
+    own_past: bool = False,
 ) -> FloatArray | None:
     """Predict a marker from powers of the present and past coordinates of its neighbours.
 
@@ -43,6 +44,9 @@ def polynomial(
         Number k of past frames.
     n_siblings
         How many siblings are used at most.
+    own_past
+        Whether the marker's own past frames are regressors as well: more exact, and useless for
+        detection, since the prediction then follows every artefact (Fig. 6).
 
     Returns
     -------
@@ -61,6 +65,9 @@ def polynomial(
     if not markers or n_trusted < 2 * FRAMES_PER_DIRECTION:
         return None
     columns = powers(positions, markers, order)
+    if own_past:
+        own = powers(positions, [marker], order)
+        columns = np.concatenate([columns, own[np.maximum(np.arange(len(own)) - 1, 0)]], axis=1)
     frames = np.flatnonzero(trusted)
     frames = frames[:: -(-len(frames) // LEARNT)]
     X, Y = with_past(columns, frames, context), positions[frames, marker]
