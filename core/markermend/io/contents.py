@@ -5,6 +5,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from pathlib import Path
 
 import numpy as np
@@ -168,18 +169,25 @@ def seen_only(
     zero_is_gap
         Whether 0, 0, 0 (in 2-D 0, 0) means not seen, as many programs write it.
     """
+    # By coordinate: reducing over an axis of three is many times slower in NumPy.
+    axes = [positions[..., k] for k in range(positions.shape[2])]
     with np.errstate(invalid="ignore"):
-        possible = (np.abs(positions) <= FARTHEST).all(axis=2)
-    absurd = seen & ~possible & ~np.isnan(positions).all(axis=2)
-    zero = seen & (positions == 0).all(axis=2) & zero_is_gap
-    clean = np.where((seen & possible & ~zero)[..., None], positions, np.nan)
+        possible = reduce(np.logical_and, [np.abs(axis) <= FARTHEST for axis in axes])
+    bad = seen & ~possible
+    absurd = bad.copy()
+    absurd[bad] = ~np.isnan(positions[bad]).all(axis=1)
+    lost = ~seen | bad
+    if zero_is_gap:
+        lost |= reduce(np.logical_and, [axis == 0 for axis in axes])
+    clean = positions.astype(np.float64)
+    clean[lost] = np.nan
     warnings = []
     if absurd.any():
         warnings.append(
             "Samples with coordinates that are infinite, half missing or farther than "
             f"{FARTHEST:.0e} count as not seen: {absurd.sum()}."
         )
-    if positions.size and np.isnan(clean).all():
+    if positions.size and lost.all():
         warnings.append("No marker is seen in any frame.")
     return clean, tuple(warnings)
 

@@ -176,7 +176,7 @@ def _changes(original: Take, repaired: Take) -> BoolArray:
     """(n_frames, n_markers): where the positions differ."""
     if original.labels != repaired.labels or original.positions.shape != repaired.positions.shape:
         raise BadInput("The repaired take has other markers or frames than the original.")
-    return ~np.asarray(_same(original.positions, repaired.positions).all(axis=2))
+    return ~_same(original.positions, repaired.positions)
 
 
 def _refuse_outside(take: Take, changed: BoolArray, spans: Iterable[tuple[str, Span]]) -> None:
@@ -285,7 +285,11 @@ def _reading_of(original: Take, patching: Patching, data: bytes, factor: float) 
 
 
 def _same(one: FloatArray, other: FloatArray) -> BoolArray:
-    return np.asarray((one == other) | (np.isnan(one) & np.isnan(other)))
+    """(n_frames, n_markers): where two arrays are equal, NaN being equal to NaN."""
+    same = np.ones(one.shape[:2], bool)
+    for x, y in zip(np.moveaxis(one, 2, 0), np.moveaxis(other, 2, 0), strict=True):
+        same &= (x == y) | (np.isnan(x) & np.isnan(y))
+    return same
 
 
 def _as_read(take: Take, source: Source) -> Take | str:

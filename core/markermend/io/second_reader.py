@@ -19,7 +19,7 @@ import numpy as np
 from markermend.model import FloatArray
 
 TIME_LIMIT_S = 12.0
-_S_PER_BYTE = 1 / 4e6
+_S_PER_BYTE = 1 / 1.5e6
 _MEMORY_BYTES = 1_500_000_000
 _MEMORY_PER_BYTE = 30
 

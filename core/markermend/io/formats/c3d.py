@@ -171,13 +171,18 @@ def compare(old: bytes, new: bytes, _reading: Reading) -> BoolArray | None:
     if len(old) != len(new):
         return None
     before, after = np.frombuffer(old, np.uint8), np.frombuffer(new, np.uint8)
-    differs = before != after
     start, stop = layout.data_start, layout.data_start + layout.n_frames * layout.frame_bytes
-    frames = differs[start:stop].reshape(layout.n_frames, layout.frame_bytes)
-    points, analog = np.split(frames, [4 * layout.value_bytes * layout.n_points], axis=1)
-    if differs[:start].any() or differs[stop:].any() or analog.any():
+    if (before[:start] != after[:start]).any() or (before[stop:] != after[stop:]).any():
         return None
-    return np.asarray(points.reshape(layout.n_frames, layout.n_points, -1).any(axis=2))
+    rows = (layout.n_frames, layout.frame_bytes)
+    differs = before[start:stop].reshape(rows) != after[start:stop].reshape(rows)
+    found = np.zeros((layout.n_frames, layout.n_points), bool)
+    touched = differs.any(axis=1)
+    points, analog = np.split(differs[touched], [4 * layout.value_bytes * layout.n_points], axis=1)
+    if analog.any():
+        return None
+    found[touched] = points.reshape(len(points), layout.n_points, -1).any(axis=2)
+    return found
 
 
 def patch(data: bytes, reading: Reading, positions: FloatArray, changed: BoolArray) -> Patch:
