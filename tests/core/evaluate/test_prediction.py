@@ -79,8 +79,8 @@ def test_regressors(take):
     scores = {score.name: score for score in table.regressors}
     assert set(scores) == {"polynomial", "ffnn", "ridge", "lasso", "svr", "tree", "narx"}
     assert all(score.held_out_mm > 0 for score in scores.values())
-    # A prediction from neighbours alone leaves the artefact in the residual.
-    assert scores["lasso"].shown > 0.8
+    # What fits closer follows an artefact closer: least in the stiff, most in the tree.
+    assert scores["lasso"].shown > scores["polynomial"].shown > scores["tree"].shown
     again = predictors(short, tables=["regressors"], n_markers=1)
     timeless = [replace(s, seconds=0.0) for s in table.regressors]
     assert [replace(s, seconds=0.0) for s in again.regressors] == timeless
