@@ -144,6 +144,8 @@ def format_of(path: Path) -> Format:
     """
     try:
         head = b""
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise UnreadableTake(f"{path} is no ordinary file; copy the recording into one.")
         if not path.is_dir():
             with path.open("rb") as file:
                 head = file.read(_HEAD)

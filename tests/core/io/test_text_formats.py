@@ -1,6 +1,7 @@
 """Text formats: what real files say, and that only repaired cells change."""
 
 import json
+import os
 import tempfile
 from collections.abc import Callable
 from functools import cache
@@ -366,3 +367,25 @@ def test_formats_are_told_by_content_not_by_name(saved: Saved) -> None:
     assert format_of(saved("a.txt", NEXUS)).name == "nexus_csv"
     with pytest.raises(UnreadableTake, match="no format that is known"):
         format_of(saved("a.xyz", "hello"))
+
+
+def test_a_pipe_is_refused_and_not_waited_for(tmp_path: Path) -> None:
+    if not hasattr(os, "mkfifo"):
+        pytest.skip("this system has no named pipes")
+    os.mkfifo(tmp_path / "a.c3d")
+    with pytest.raises(UnreadableTake, match="no ordinary file"):
+        open_contents(tmp_path / "a.c3d")
+
+
+def test_a_missing_file_is_said(tmp_path: Path) -> None:
+    with pytest.raises(UnreadableTake, match="cannot be read"):
+        open_contents(tmp_path / "nowhere.c3d")
+
+
+def test_short_header_lines_of_motive_are_refused(saved: Saved) -> None:
+    text = (
+        "Format Version,1.2\n,,Marker\n,,A\n,,Position,Position,Position\n"
+        "Frame,Time,X,Y,Z\n0,0.0,1,2,3\n"
+    )
+    with pytest.raises(UnreadableTake, match="fewer cells"):
+        open_contents(saved("a.csv", text))

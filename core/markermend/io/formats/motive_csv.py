@@ -45,6 +45,11 @@ def parse(text: TextFile) -> Parsed:
         raise UnreadableTake("The Motive file has no line Frame, Time, X, Y, Z under its header.")
     axes, quantities = _cells(lines[at], separator), _cells(above[-1], separator)
     kinds, titles = _cells(above[0], separator), _cells(above[1], separator)
+    if min(len(kinds), len(titles), len(quantities)) < len(axes):
+        raise UnreadableTake(
+            "The header lines of the Motive file have fewer cells than its columns; export it "
+            "again."
+        )
     names: list[str] = []
     roles: list[Role] = []
     columns = []
