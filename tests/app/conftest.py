@@ -1,6 +1,7 @@
 """A small take with known artefacts, and a desk without a screen."""
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 
 import markermend as mm
 from markermend.review.store import Store
+from markermend_app.cli import main
 from markermend_app.state.desk import Desk
 from markermend_app.state.workspace import Workspace
 
@@ -82,3 +84,44 @@ def settle(desk: Desk, ticks: Ticks) -> None:
     ticks.run()
     desk.jobs.wait()
     ticks.run()
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a command ended, and what it printed."""
+
+    code: int
+    out: str
+    err: str
+
+    @property
+    def refusal(self) -> str:
+        """The one sentence of a command that was refused; nothing else was printed."""
+        assert (self.code, self.out) == (2, ""), self
+        assert self.err.endswith("\n")
+        (line,) = self.err.splitlines()
+        return line
+
+    @property
+    def warnings(self) -> list[str]:
+        """The warnings of a command that was done; nothing else stands on stderr."""
+        assert self.code == 0, self
+        assert all(line.startswith("warning: ") for line in self.err.splitlines()), self.err
+        return [line.removeprefix("warning: ") for line in self.err.splitlines()]
+
+
+Command = Callable[..., Ended]
+
+
+@pytest.fixture
+def command(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Command:
+    """Give a function that runs one command line in this process."""
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        monkeypatch.setenv(name, "1")  # a command sets them for its process; this one lives on
+
+    def call(*words: object) -> Ended:
+        capsys.readouterr()
+        code = main([str(word) for word in words])
+        return Ended(code, *capsys.readouterr())
+
+    return call

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import math
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -12,6 +13,7 @@ from tqdm import tqdm
 from markermend import io
 from markermend.errors import BadInput
 from markermend.model import KINDS, Take
+from markermend_app.cli.terminal import say, sentence
 
 
 def take_argument(parser: argparse.ArgumentParser) -> None:
@@ -23,7 +25,7 @@ def take_argument(parser: argparse.ArgumentParser) -> None:
 def lacking(parser: argparse.ArgumentParser) -> None:
     """Add the options that supply what a file lacks."""
     parser.add_argument("--units", choices=("mm", "cm", "m"), help="unit, where the file has none")
-    parser.add_argument("--rate", type=float, metavar="HZ", help="rate, where the file has none")
+    parser.add_argument("--rate", type=hertz, metavar="HZ", help="rate, where the file has none")
     parser.add_argument(
         "--ignore-residuals",
         action="store_true",
@@ -31,10 +33,38 @@ def lacking(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def read(options: argparse.Namespace) -> Take:
-    """Read the take of a command and print its warnings."""
+def hertz(text: str) -> float:
+    """Read a rate."""
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = math.nan
+    if not (math.isfinite(rate) and rate > 0):
+        raise argparse.ArgumentTypeError(f"must be a positive number of Hz; got {text!r}")
+    return rate
+
+
+def whole(least: int, most: int) -> Callable[[str], int]:
+    """Give a function that reads a whole number between two others."""
+
+    def read_whole(text: str) -> int:
+        try:
+            number = int(text)
+        except ValueError:
+            number = least - 1
+        if not least <= number <= most:
+            raise argparse.ArgumentTypeError(
+                f"must be a whole number from {least} to {most}; got {text!r}"
+            )
+        return number
+
+    return read_whole
+
+
+def read(path: Path, options: argparse.Namespace) -> Take:
+    """Read a take with the options of `lacking` and print its warnings."""
     take = io.read(
-        options.take,
+        path,
         units=options.units,
         rate=options.rate,
         ignore_residuals=options.ignore_residuals,
@@ -45,8 +75,8 @@ def read(options: argparse.Namespace) -> Take:
 
 def warn(sentences: Iterable[str]) -> None:
     """Print warnings, one line each, on stderr."""
-    for sentence in sentences:
-        print(f"warning: {' '.join(sentence.split())}", file=sys.stderr)
+    for one in sentences:
+        say(f"warning: {sentence(one)}", file=sys.stderr)
 
 
 def kinds(text: str) -> tuple[str, ...]:
@@ -60,9 +90,20 @@ def kinds(text: str) -> tuple[str, ...]:
     return wanted
 
 
-def print_json(record: Mapping[str, Any]) -> None:
-    """Print strict JSON: no NaN, no infinity."""
-    print(json.dumps(record, indent=1, allow_nan=False))
+def json_text(record: Mapping[str, Any]) -> str:
+    """Give strict JSON in ASCII: no NaN, no infinity, no half of a character."""
+    return f"{json.dumps(_encodable(record), indent=1, allow_nan=False)}\n"
+
+
+def _encodable(value: Any) -> Any:
+    """Replace what no UTF-8 can hold: bytes of a file's name that are no text."""
+    if isinstance(value, str):
+        return value.encode("utf-8", "replace").decode("utf-8")
+    if isinstance(value, Mapping):
+        return {key: _encodable(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_encodable(one) for one in value]
+    return value
 
 
 def progress(total: int, what: str) -> Callable[[int], None]:

@@ -1,9 +1,15 @@
 """``markermend detect TAKE``: list gaps and artefacts."""
 
 import argparse
+from typing import Any
 
 from markermend import detection
-from markermend_app.cli.common import kinds, print_json, read, take_argument
+from markermend.model import Finding
+from markermend_app.cli.common import json_text, kinds, read, take_argument
+from markermend_app.cli.terminal import plain
+
+FIELDS = ("id", "marker", "start", "stop", "kind", "score", "axes", "amplitude")
+"""What stands of each finding in the JSON; other programs rely on it."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,26 +29,30 @@ def run(options: argparse.Namespace) -> None:
     """Print the findings, as a table or as JSON."""
     wanted = kinds(options.kinds) if options.kinds is not None else None
     detection.DETECTORS.get(options.detector)  # an unknown name is said before a long read
-    take = read(options)
+    take = read(options.take, options)
     found = detection.detect(take, options.detector, kinds=wanted)
     if options.json:
-        print_json(
-            {
-                "version": 1,
-                "take": options.take.name,
-                "rate": take.rate,
-                "n_frames": take.n_frames,
-                "findings": [finding.to_json() for finding in found],
-                "warnings": list(take.warnings),
-            }
-        )
+        record = {
+            "version": 1,
+            "take": options.take.name,
+            "rate": take.rate,
+            "n_frames": take.n_frames,
+            "findings": [_record(finding) for finding in found],
+            "warnings": list(take.warnings),
+        }
+        print(json_text(record), end="")
         return
-    width = max((len(f.marker) for f in found), default=6)
+    width = max((len(plain(f.marker)) for f in found), default=6)
     print(f"{'marker':{width}}  kind   from s    to s  frames  score  {take.units:>6}")
     for f in found:
         size = "" if f.amplitude is None else f"{f.amplitude:6.1f}"
         print(
-            f"{f.marker:{width}}  {f.kind:5}  {f.span.start / take.rate:6.2f}  "
+            f"{plain(f.marker):{width}}  {f.kind:5}  {f.span.start / take.rate:6.2f}  "
             f"{f.span.stop / take.rate:6.2f}  {len(f.span):6}  {f.score:5.2f}  {size:>6}"
         )
     print(f"{len(found)} findings")
+
+
+def _record(finding: Finding) -> dict[str, Any]:
+    whole = finding.to_json()
+    return {name: whole[name] for name in FIELDS}

@@ -5,7 +5,8 @@ from typing import Any
 
 from markermend import io
 from markermend.model import Take, runs
-from markermend_app.cli.common import print_json, take_argument, warn
+from markermend_app.cli.common import json_text, take_argument, warn
+from markermend_app.cli.terminal import say
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -19,8 +20,9 @@ def run(options: argparse.Namespace) -> None:
     contents = io.open_contents(options.take, ignore_residuals=options.ignore_residuals)
     units, rate = options.units or contents.units, options.rate or contents.rate
     # Gaps need neither unit nor rate; anything stands in for what is lacking.
-    take = contents.take(units=units or "mm", rate=rate or 1.0)
-    warnings = [*contents.warnings]
+    stand_in = "mm" if contents.positions.shape[2] == 3 else "px"
+    take = contents.take(units=units or stand_in, rate=rate or 1.0)
+    warnings = [*take.warnings]
     if units is None:
         warnings.append("The file does not say its unit; give it with --units mm|cm|m.")
     if rate is None:
@@ -37,13 +39,13 @@ def run(options: argparse.Namespace) -> None:
     }
     warn(warnings)
     if options.json:
-        print_json(record)
+        print(json_text(record), end="")
         return
     inner = [gap for gap in record["gaps"] if gap["inner"]]
     longest = max((gap["stop"] - gap["start"] for gap in inner), default=0)
     never = sum(1 for gap in record["gaps"] if gap["stop"] - gap["start"] == take.n_frames)
     missing = 1 - take.seen[:, take.measured].mean() if take.measured.size else 0.0
-    print(f"{options.take.name}")
+    say(options.take.name)
     print(f"  frames   {take.n_frames}" + (f" ({take.duration_s:.2f} s)" if rate else ""))
     print(f"  markers  {len(take.measured)} of {take.n_markers} points")
     print(f"  rate     {f'{rate:g} Hz' if rate else 'not said'}")

@@ -9,9 +9,12 @@ import os
 import sys
 import traceback
 from collections.abc import Sequence
+from types import ModuleType
+from typing import Any, NoReturn
 
 from markermend import __version__
 from markermend.errors import MarkerMendError
+from markermend_app.cli.terminal import reader_is_gone, say, sentence, show_anything
 
 COMMANDS = {
     "review": "review a take in the browser",
@@ -23,13 +26,18 @@ COMMANDS = {
 }
 
 
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> "argparse.NoReturn":  # type: ignore[name-defined]
-        raise _Usage(f"{self.prog}: {message}; see {self.prog} --help")
-
-
 class _Usage(Exception):
     """What was typed is not a command."""
+
+
+class _Parser(argparse.ArgumentParser):
+    """Refuses in one sentence; an option is written out, so that later ones never clash with it."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings, allow_abbrev=False)
+
+    def error(self, message: str) -> NoReturn:
+        raise _Usage(f"{self.prog}: {message}; see {self.prog} --help")
 
 
 def _parser(command: str | None) -> argparse.ArgumentParser:
@@ -46,33 +54,40 @@ def _parser(command: str | None) -> argparse.ArgumentParser:
     return parser
 
 
-def _module(name: str):  # type: ignore[no-untyped-def]
+def _module(name: str) -> ModuleType:
     return importlib.import_module(f"markermend_app.cli.{name}")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
     given = list(sys.argv[1:] if argv is None else argv)
+    show_anything()
     # Our matrices are small: threads of a numerical library would only wait for each other.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     command = next((word for word in given if not word.startswith("-")), None)
     try:
-        options = _parser(command if command in COMMANDS else None).parse_args(given)
-        code: int = _module(options.command).run(options) or 0
+        code = _run(given, command if command in COMMANDS else None)
         sys.stdout.flush()
     except (MarkerMendError, _Usage) as refusal:
-        print(" ".join(str(refusal).split()), file=sys.stderr)
+        say(sentence(refusal), file=sys.stderr)
         return 2
-    except BrokenPipeError:  # the reader had enough: `markermend info take | head -1`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
     except KeyboardInterrupt:
         return 130
-    except Exception:  # noqa: BLE001  a fault of ours: the whole of it, and exit code 1
+    except Exception as fault:  # noqa: BLE001  a fault of ours: the whole of it, and exit code 1
+        if isinstance(fault, BrokenPipeError) and reader_is_gone():
+            return 0  # the reader had enough: `markermend info take | head -1`
         traceback.print_exc()
-        print(
+        say(
             "This is a fault of markermend; please report it with the lines above.", file=sys.stderr
         )
         return 1
     return code
+
+
+def _run(given: Sequence[str], command: str | None) -> int:
+    try:
+        options = _parser(command).parse_args(given)
+    except SystemExit as done:  # --help and --version
+        return int(done.code or 0)
+    return _module(options.command).run(options) or 0

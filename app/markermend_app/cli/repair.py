@@ -1,17 +1,20 @@
 """``markermend repair TAKE -o OUT``: repair and write back, nothing else changed."""
 
 import argparse
-import json
+import os
 from pathlib import Path
 from typing import Any
 
 from markermend import detection, repairing
 from markermend.errors import BadInput, CannotWrite
 from markermend.io import Written
+from markermend.io.disk import refuse_existing, write_whole
 from markermend.model import Finding, Take
 from markermend.review import Review
-from markermend.review.mending import Mended, accepted_all, mend, save
-from markermend_app.cli.common import kinds, progress, read, take_argument, warn
+from markermend.review.decisions import read_decisions
+from markermend.review.mending import Mended, accepted_all, decisions_path, mend, save
+from markermend_app.cli.common import json_text, kinds, progress, read, take_argument, warn
+from markermend_app.cli.terminal import say
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,13 +44,12 @@ def run(options: argparse.Namespace) -> None:
     wanted = kinds(options.kinds) if options.kinds is not None else ("gap",)
     if options.method:
         repairing.REPAIRS.get(options.method)
-    take = read(options)
+    _refuse_targets(options)
+    decisions = None if options.decisions is None else read_decisions(options.decisions)
+    take = read(options.take, options)
     stays: list[dict[str, Any]] = []
-    if options.decisions is not None:
-        from markermend.review.decisions import read_decisions
-
-        decisions = read_decisions(options.decisions)
-        decisions.wishes(take)
+    if decisions is not None:
+        decisions.wishes(take)  # refuses what was decided on another take
         review = decisions.review
     else:
         review, stays = _review(take, wanted, options.method)
@@ -63,14 +65,72 @@ def run(options: argparse.Namespace) -> None:
         }
         for r in mended.refusals
     ]
-    written, beside = save(mended, review, options.out, overwrite=options.force)
+    decided = None if decisions is None else decisions.decided
+    written, beside = save(mended, review, options.out, decided=decided, overwrite=options.force)
     warn(f"{s['marker']} {s['start']}-{s['stop']} stays: {s['reason']}" for s in stays)
+    told = [written.why] if written.why else []
+    warn(told)
     if options.report is not None:
-        _report(options.report, options, take, mended, written, stays)
-    print(
+        record = _record(options, take, mended, written, stays)
+        record["warnings"] = [*take.warnings, *told]
+        write_whole(options.report, json_text(record).encode("ascii"), overwrite=True)
+    say(
         f"{options.out}: {len(mended.repairs)} spans repaired, {written.n_changed} samples "
         f"changed, {len(stays)} spans stay ({written.mode}); decisions in {beside.name}"
     )
+
+
+def _refuse_targets(options: argparse.Namespace) -> None:
+    """Refuse files that must not be written, before any work is done.
+
+    Raises
+    ------
+    CannotWrite
+        If two of the files are one, or a report would replace what is no report.
+    """
+    beside = decisions_path(options.out)
+    read_ones = [("the source", options.take), ("the file of decisions", options.decisions)]
+    for path in (options.out, options.report):
+        for what, other in read_ones:
+            if path is not None and other is not None and _one_file(path, other):
+                raise CannotWrite(
+                    f"{path} is {what}, which is never overwritten; choose another name."
+                )
+    if _one_file(beside, options.take):
+        raise CannotWrite(
+            f"{options.take} would be overwritten by the decisions beside {options.out}; choose "
+            "another name."
+        )
+    for path in (options.out, beside):
+        _refuse_existing(path, options.force)
+    if options.report is None:
+        return
+    for other in (options.out, beside):
+        if _one_file(options.report, other):
+            raise CannotWrite(f"{options.report} is written already; give the report its own name.")
+    # An earlier report may be replaced; a recording that was named by mistake may not.
+    is_report = options.report.suffix.lower() == ".json"
+    _refuse_existing(options.report, options.force or is_report)
+    if not options.report.parent.is_dir():
+        raise CannotWrite(
+            f"The report {options.report} cannot be written: there is no such folder; make it."
+        )
+
+
+def _refuse_existing(path: Path, force: bool) -> None:
+    refuse_existing(path, overwrite=True)  # what can never be replaced
+    if path.exists() and not force:
+        raise CannotWrite(f"{path} exists; choose another name or add --force.")
+
+
+def _one_file(one: Path, other: Path) -> bool:
+    """Whether two paths lead to one file, also by links; or would, once it is written."""
+    try:
+        return one.samefile(other)
+    except OSError:
+        return one.absolute() == other.absolute() or os.path.realpath(one) == os.path.realpath(
+            other
+        )
 
 
 def _review(
@@ -118,15 +178,14 @@ def _staying(take: Take) -> list[dict[str, Any]]:
     return listed
 
 
-def _report(
-    path: Path,
+def _record(
     options: argparse.Namespace,
     take: Take,
     mended: Mended,
     written: Written,
     stays: list[dict[str, Any]],
-) -> None:
-    record = {
+) -> dict[str, Any]:
+    return {
         "version": 1,
         "take": options.take.name,
         "out": str(options.out),
@@ -146,9 +205,4 @@ def _report(
         ],
         "stays": stays,
         "written": written.to_json(),
-        "warnings": list(take.warnings),
     }
-    try:
-        path.write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise CannotWrite(f"The report {path} cannot be written: {error.strerror}.") from None

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from markermend.errors import BadInput, MarkerMendError
-from markermend_app.cli.common import lacking
+from markermend_app.cli.common import lacking, read, whole
 
 NEEDS_APP = "The application needs more packages: install them with pip install 'markermend[app]'."
 
@@ -18,7 +18,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def serving(parser: argparse.ArgumentParser) -> None:
     """Add where to serve and where to keep reviews."""
-    parser.add_argument("--port", type=int, help="port on the loopback (default: any free one)")
+    parser.add_argument(
+        "--port",
+        type=whole(1, 65535),
+        metavar="N",
+        help="port on the loopback (default: any free one)",
+    )
     parser.add_argument("--no-browser", action="store_true", help="print the address only")
     parser.add_argument(
         "--store",
@@ -30,8 +35,10 @@ def serving(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Serve on the loopback until interrupted."""
     for path in options.paths:
-        if not path.is_file():
+        if not path.exists():
             raise BadInput(f"There is no file {path}; give the path of a recording.")
+    # The page asks for what later takes lack; the one it opens with is refused here and now.
+    read(options.paths[0], options)
     serve(options, tuple(path.absolute() for path in options.paths))
 
 
@@ -46,14 +53,20 @@ def serve(options: argparse.Namespace, paths: tuple[Path, ...]) -> None:
     try:
         from markermend_app import shell
     except ModuleNotFoundError as missing:
-        if (missing.name or "").startswith("markermend"):
+        if (missing.name or "").partition(".")[0] in ("markermend", "markermend_app"):
             raise
         raise MarkerMendError(NEEDS_APP) from None
     from markermend.review.store import Store
     from markermend_app.state.workspace import Workspace
 
     store = Store(options.store)
-    workspace = Workspace(store, paths, units=options.units, rate=options.rate)
+    workspace = Workspace(
+        store,
+        paths,
+        units=options.units,
+        rate=options.rate,
+        ignore_residuals=options.ignore_residuals,
+    )
     shell.serve(
         workspace,
         port=options.port,

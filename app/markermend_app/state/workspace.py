@@ -39,6 +39,8 @@ class Workspace:
         The files to be reviewed, the first one first.
     units, rate
         What the files lack, or None.
+    ignore_residuals
+        Take every sample of a C3D file as seen, whatever its residual says.
     detector
         Name of the detector.
     """
@@ -52,10 +54,11 @@ class Workspace:
         *,
         units: str | None = None,
         rate: float | None = None,
+        ignore_residuals: bool = False,
         detector: str = detection.DEFAULT,
     ) -> None:
         self.store, self.paths, self.detector = store, paths, detector
-        self.units, self.rate = units, rate
+        self.units, self.rate, self.ignore_residuals = units, rate, ignore_residuals
         self._lock = threading.Lock()
         self._kept: OrderedDict[tuple[object, ...], Opened] = OrderedDict()
 
@@ -81,7 +84,9 @@ class Workspace:
             stamp = path.stat() if path.exists() else None
             key = (path, *given, stamp and (stamp.st_mtime_ns, stamp.st_size))
             if key not in self._kept:
-                take = io.read(path, units=given[0], rate=given[1])
+                take = io.read(
+                    path, units=given[0], rate=given[1], ignore_residuals=self.ignore_residuals
+                )
                 progress("Looking for artefacts")
                 found = detection.scan(take, self.detector)
                 progress("Finding the body")

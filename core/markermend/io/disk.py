@@ -74,10 +74,18 @@ def load(path: Path) -> bytes:
 
 
 def refuse_existing(path: Path, *, overwrite: bool) -> None:
-    """Refuse a target that is a folder, or that exists and must not be replaced."""
+    """Refuse a target that is no ordinary file, or that exists and must not be replaced."""
+    try:
+        exists = path.exists()
+    except OSError as error:  # a name that is too long
+        raise CannotWrite(
+            f"{path} cannot be written: {error.strerror or error}; choose another name."
+        ) from None
     if path.is_dir():
         raise CannotWrite(f"{path} is an existing folder; choose another name.")
-    if path.exists() and not overwrite:
+    if exists and not path.is_file():  # a device would be replaced by a file
+        raise CannotWrite(f"{path} is no ordinary file; choose another name.")
+    if exists and not overwrite:
         raise CannotWrite(f"{path} exists; choose another name or allow to overwrite it.")
 
 

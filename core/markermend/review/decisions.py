@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from markermend import __version__
 from markermend.errors import BadDecisions
@@ -24,13 +24,24 @@ from markermend.review.records import (
     judgement_from_json,
     judgement_to_json,
 )
-from markermend.review.session import Step
 from markermend.review.state import Judgement, Review
 
 SCHEMA = "markermend/decisions"
 VERSION = 1
 MAX_BYTES = 64 * 2**20
 MAX_FINDINGS = 200_000
+
+
+class Attribution(Protocol):
+    """Who decided, and when, as far as known."""
+
+    @property
+    def operator(self) -> str:
+        """Who it was, or empty."""
+
+    @property
+    def at(self) -> datetime | None:
+        """When it was."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +91,11 @@ class Decisions:
     def review(self) -> Review:
         """The decisions as a review."""
         return Review({d.judgement.finding.id: d.judgement for d in self.findings})
+
+    @property
+    def decided(self) -> Mapping[str, Attribution]:
+        """Finding id -> who decided and when, to be handed on when the decisions are used again."""
+        return {d.judgement.finding.id: d for d in self.findings}
 
     def wishes(self, take: Take) -> tuple[Wish, ...]:
         """Give the accepted repairs, for `markermend.repairing.repair_all`.
@@ -159,7 +175,7 @@ def decisions_on(
     review: Review,
     *,
     repairs: Iterable[Repair] = (),
-    decided: Mapping[str, Step] | None = None,
+    decided: Mapping[str, Attribution] | None = None,
     written: datetime | None = None,
 ) -> Decisions:
     """Put together what an export writes down beside the repaired file.
@@ -172,7 +188,7 @@ def decisions_on(
         The repairs that were computed from the accepted findings: their methods and full
         parameters go into the file, also where the default was asked for.
     decided
-        Finding id -> step, from `ReviewSession.decided`.
+        Finding id -> who decided and when: `ReviewSession.decided`, or `Decisions.decided`.
     written
         Now, if not given.
     """

@@ -6,10 +6,10 @@ from itertools import chain
 from pathlib import Path
 
 from markermend.io import Written, export
+from markermend.io.disk import refuse_existing
 from markermend.model import Finding, Kind, Span, Take
 from markermend.repairing import Refusal, Repair, Wish, apply, repair_all
-from markermend.review.decisions import decisions_on
-from markermend.review.session import Step
+from markermend.review.decisions import Attribution, decisions_on
 from markermend.review.state import Decision, Judgement, Review
 
 
@@ -62,10 +62,21 @@ def save(
     review: Review,
     path: Path,
     *,
-    decided: Mapping[str, Step] | None = None,
+    decided: Mapping[str, Attribution] | None = None,
     overwrite: bool = False,
 ) -> tuple[Written, Path]:
     """Write the repaired take, verified, and its decision file beside it.
+
+    Parameters
+    ----------
+    mended, review
+        What is written, and the decisions that it follows from.
+    path
+        The target.
+    decided
+        Finding id -> who decided and when, as far as known.
+    overwrite
+        Whether files of these two names are replaced.
 
     Returns
     -------
@@ -79,8 +90,9 @@ def save(
     CannotWrite
         As `markermend.io.export`.
     """
-    written = export(mended.original, mended.repaired, path, mended.spans, overwrite=overwrite)
     beside = decisions_path(path)
+    refuse_existing(beside, overwrite=overwrite)  # before the other file is there
+    written = export(mended.original, mended.repaired, path, mended.spans, overwrite=overwrite)
     decisions_on(mended.original, review, repairs=mended.repairs, decided=decided).write(beside)
     return written, beside
 

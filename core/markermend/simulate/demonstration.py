@@ -6,13 +6,17 @@ from typing import NamedTuple
 
 import numpy as np
 
+from markermend.errors import CannotWrite
 from markermend.io import write
+from markermend.io.disk import write_whole
 from markermend.model import AXES, Kind, Span, Take
 from markermend.simulate.artefacts import Truth, distort
 from markermend.simulate.take import simulate
 
 DEMO_SEED = 0
 """The seed of the take that is shipped."""
+DEMO_FILES = ("demo.c3d", "demo.truth.json")
+"""What `make_demo` writes."""
 PLANNED_S = 29.0
 """Length of the take that the plan below is made for."""
 JITTER = 6
@@ -137,11 +141,16 @@ def make_demo(folder: str | Path, seed: int = DEMO_SEED) -> tuple[Path, Path]:
     """
     take, _, truth = demonstration(seed)
     folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    target, record = folder / "demo.c3d", folder / "demo.truth.json"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CannotWrite(
+            f"The folder {folder} cannot be made: {error.strerror or error}; choose another."
+        ) from None
+    target, record = (folder / name for name in DEMO_FILES)
     write(take, target, overwrite=True)
     text = json.dumps(truth_record(take, truth, seed), indent=1)
-    record.write_text(text + "\n", encoding="utf-8", newline="\n")
+    write_whole(record, f"{text}\n".encode("ascii"), overwrite=True)
     return target, record
 
 
