@@ -1,0 +1,234 @@
+"""``markermend evaluate EXPERIMENT``: the published experiments, and benchmarks, as tables."""
+
+import argparse
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from markermend.errors import CannotWrite
+from markermend_app.cli.common import json_text, progress, read, take_argument
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the experiments."""
+    experiments = parser.add_subparsers(dest="experiment", metavar="EXPERIMENT", required=True)
+
+    e1 = experiments.add_parser(
+        "e1", help="how well detectors find and classify artefacts that were put into a take"
+    )
+    take_argument(e1)
+    _detectors(e1)
+    e1.add_argument("--amplitude", type=_numbers, default=(5.0, 10.0), metavar="MM,MM")
+    e1.add_argument("--share", type=_numbers, default=(0.05, 0.1, 0.2), metavar="S,S")
+    _simulations(e1, 100)
+
+    e2 = experiments.add_parser(
+        "e2", help="simulated operators clean a take; what detectors and an expert then find"
+    )
+    take_argument(e2)
+    _detectors(e2)
+    e2.add_argument("--amplitude", type=float, default=10.0, metavar="MM")
+    e2.add_argument("--share", type=float, default=0.02, metavar="S")
+    _simulations(e2, 10)
+
+    predictors = experiments.add_parser(
+        "predictors", help="how well markers are predicted from their neighbours, and by what"
+    )
+    take_argument(predictors)
+    predictors.add_argument("--tables", type=_words, default=(), metavar="A,B")
+    predictors.add_argument("--markers", type=_words, default=(), metavar="A,B")
+    predictors.add_argument("--seed", type=int, default=0)
+    _json(predictors)
+
+    masks = experiments.add_parser("masks", help="fill the gaps of a benchmark by any methods")
+    masks.add_argument("masks", type=Path, metavar="FILE", help="masks, beside datasets.json")
+    masks.add_argument("--methods", type=_words, default=("auto",), metavar="A,B")
+    masks.add_argument("--datasets", type=_words, default=(), metavar="A,B")
+    masks.add_argument("--lengths", type=_whole, default=(), metavar="N,N")
+    masks.add_argument("--seeds", type=_whole, default=(), metavar="N,N")
+    masks.add_argument("--peers", type=Path, metavar="CSV", help="errors of other programs")
+    masks.add_argument("--jobs", type=int, default=1, metavar="J")
+    _json(masks)
+
+
+def _detectors(parser: argparse.ArgumentParser) -> None:
+    from markermend.detection import DEFAULT, DETECTORS
+
+    parser.add_argument(
+        "--detector",
+        type=_words,
+        default=(DEFAULT,),
+        metavar="A,B",
+        help=f"some of {', '.join(DETECTORS.names())} (default: {DEFAULT})",
+    )
+
+
+def _simulations(parser: argparse.ArgumentParser, default: int) -> None:
+    parser.add_argument("--simulations", type=int, default=default, metavar="N")
+    parser.add_argument("--jobs", type=int, default=1, metavar="J", help="processes")
+    parser.add_argument("--seed", type=int, default=0)
+    _json(parser)
+
+
+def _json(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures as JSON")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Run one experiment and print its tables."""
+    RUNS[options.experiment](options)
+
+
+def _e1(options: argparse.Namespace) -> None:
+    from markermend.evaluate import e1
+
+    result = e1(
+        read(options.take, options),
+        detectors=options.detector,
+        amplitudes=options.amplitude,
+        shares=options.share,
+        simulations=options.simulations,
+        jobs=options.jobs,
+        seed=options.seed,
+        progress=_progress("Simulating"),
+    )
+    _print(*result.table())
+    _write(options.json, result.to_json())
+
+
+def _e2(options: argparse.Namespace) -> None:
+    from markermend.evaluate import e2
+
+    records = []
+    for detector in options.detector:
+        result = e2(
+            read(options.take, options),
+            detector=detector,
+            amplitude_mm=options.amplitude,
+            share=options.share,
+            simulations=options.simulations,
+            jobs=options.jobs,
+            seed=options.seed,
+            progress=_progress("Simulating"),
+        )
+        print(f"detector {detector}, mean of {options.simulations}")
+        _print(*result.table())
+        records.append(result.to_json())
+    _write(options.json, {"version": 1, "experiment": "e2", "detectors": records})
+
+
+def _predictors(options: argparse.Namespace) -> None:
+    from markermend.evaluate import predictors
+    from markermend.evaluate.prediction import TABLES
+
+    result = predictors(
+        read(options.take, options),
+        tables=options.tables or TABLES,
+        markers=options.markers,
+        seed=options.seed,
+        progress=_progress("Predicting"),
+    )
+    for title, columns, rows in result.tables():
+        print(title)
+        _print(columns, rows)
+    _write(options.json, result.to_json())
+
+
+def _masks(options: argparse.Namespace) -> None:
+    from markermend.evaluate.masks import evaluate_masks, read_peers, table
+
+    errors = evaluate_masks(
+        options.masks,
+        options.methods,
+        datasets=options.datasets,
+        lengths=options.lengths,
+        seeds=options.seeds,
+        workers=options.jobs,
+        progress=_progress("Filling"),
+    )
+    rows = table(errors, read_peers(options.peers) if options.peers else None)
+    columns = (
+        "cell", "method", "gaps", "unfilled", "mean mm", "sd", "median", "best other", "its mean",
+        "ratio", "ms a gap",
+    )  # fmt: skip
+    shown = [
+        (
+            row.cell,
+            row.method,
+            str(row.n),
+            str(row.left),
+            *(f"{value:.2f}" for value in (row.mean_mm, row.sd_mm, row.median_mm)),
+            row.best or "-",
+            f"{row.best_mm:.2f}",
+            f"{row.ratio:.3f}",
+            f"{row.ms:.0f}",
+        )
+        for row in rows
+    ]
+    _print(columns, shown)
+    _write(
+        options.json,
+        {
+            "version": 1,
+            "experiment": "masks",
+            "rows": [_finite(asdict(row)) for row in rows],
+        },
+    )
+
+
+RUNS: dict[str, Callable[[argparse.Namespace], None]] = {
+    "e1": _e1,
+    "e2": _e2,
+    "predictors": _predictors,
+    "masks": _masks,
+}
+
+
+def _progress(what: str) -> Callable[[int, int], None]:
+    """Give a function that makes a bar when it first hears how much there is to do."""
+    bars: dict[int, Callable[[int], None]] = {}
+
+    def move(done: int, total: int) -> None:
+        if total not in bars:
+            bars[total] = progress(total, what)
+        bars[total](done)
+
+    return move
+
+
+def _finite(record: dict[str, Any]) -> dict[str, Any]:
+    """Put null where there is no number."""
+    return {
+        key: None if isinstance(value, float) and not math.isfinite(value) else value
+        for key, value in record.items()
+    }
+
+
+def _words(text: str) -> tuple[str, ...]:
+    return tuple(word.strip() for word in text.split(",") if word.strip())
+
+
+def _numbers(text: str) -> tuple[float, ...]:
+    return tuple(float(word) for word in _words(text))
+
+
+def _whole(text: str) -> tuple[int, ...]:
+    return tuple(int(word) for word in _words(text))
+
+
+def _print(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Print a table, numbers to the right."""
+    widths = [max(len(str(row[i])) for row in (columns, *rows)) for i in range(len(columns))]
+    for row in (columns, *rows):
+        print("  ".join(f"{cell:>{w}}" for cell, w in zip(row, widths, strict=True)).rstrip())
+
+
+def _write(path: Path | None, record: dict[str, Any]) -> None:
+    if path is None:
+        return
+    try:
+        path.write_text(json_text(record), encoding="utf-8")
+    except OSError as error:
+        raise CannotWrite(f"{path} cannot be written: {error.strerror}.") from None
