@@ -285,6 +285,24 @@ def test_cursor_of_a_figure_moves_in_the_browser_only(serve: Any, open_page: Any
     page.wait_for_function("Bokeh.documents[0].get_model_by_name('cursor')?.location === 12.34")
     until(lambda: views[0].frame == 1234)
     assert sent == []
+    line, inside = (
+        page.evaluate(
+            f"""(() => {{
+                const view = Bokeh.index.find_one(
+                    Bokeh.documents[0].get_model_by_name('cursor'));
+                const {{ canvas_view, frame }} = view.plot_view;
+                const box = canvas_view.el.getBoundingClientRect();
+                const line = canvas_view.overlays_el.querySelector('.playhead');
+                const drawn = line.getBoundingClientRect();
+                return {what};
+            }})()"""
+        )
+        for what in (
+            "drawn.left + drawn.width / 2 - box.left",
+            "[frame.bbox.left, frame.bbox.right]",
+        )
+    )
+    assert line == pytest.approx(inside[0] + (inside[1] - inside[0]) * 12.34 / 30, abs=1)
 
 
 class Keys:

@@ -14,7 +14,8 @@ chunks around the cursor, and runs the clock. `SceneView.frame` follows about te
 ``markermend:play``   heard; ``detail.playing`` true or false, or toggles without a detail
 
 `CURSOR_JS` is the code of a `bokeh.models.CustomJS` with the argument ``cursors`` (a list of
-`Span`) that moves them by these events; nothing of it is sent to Python::
+`Span`) that moves them by these events; nothing of it is sent to Python, and no figure has to
+paint itself::
 
     callback = CustomJS(args={"cursors": spans}, code=CURSOR_JS)
     document.js_on_event("document_ready", callback)
@@ -42,11 +43,7 @@ Array = NDArray[np.float64]
 CHUNK_BYTES = 2_000_000
 FEWEST_CHUNK_FRAMES = 500
 
-CURSOR_JS = """
-window.addEventListener("markermend:frame", ({ detail }) => {
-  for (const cursor of cursors) cursor.setv({ location: detail.time }, { sync: false });
-});
-"""
+CURSOR_JS = Path(__file__).with_name("scene_cursor.js").read_text(encoding="utf-8")
 SEEK_JS = """
 window.dispatchEvent(new CustomEvent("markermend:seek", { detail: { time: cb_obj.x } }));
 """
