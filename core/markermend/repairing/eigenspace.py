@@ -52,12 +52,15 @@ def map_rows(
     T = (Σ U0ᵀA0ᵀA0U0)⁻¹ Σ U0ᵀA0ᵀA U stands the other way round than it is printed in Eq. 3, and
     with U, so that A U = A0 U0 T (Eq. 2) holds in the sense of least squares.
     """
-    part = np.where(missing, 0.0, training)
+    gram = training.T @ training
+    half = np.where(missing[:, None], 0.0, gram)
     most = int((~missing).sum())
-    basis = leading(training.T @ training, cumulative, most)
-    zeroed = leading(part.T @ part, cumulative, most)[:, : basis.shape[1]]
-    scores = part @ zeroed
-    between = np.linalg.lstsq(scores, training @ basis, rcond=None)[0]
+    basis = leading(gram, cumulative, most)
+    zeroed = leading(np.where(missing, 0.0, half), cumulative, most)[:, : basis.shape[1]]
+    energy = np.einsum("ij,ij->j", zeroed, half @ zeroed)
+    solid = energy > 1e-12 * energy[0]
+    zeroed, energy = zeroed[:, solid], energy[solid]
+    between = (zeroed.T @ half @ basis) / energy[:, None]
     given = np.where(missing, 0.0, rows)
     return np.asarray(given @ zeroed @ between @ basis.T)
 
@@ -92,11 +95,9 @@ def weighted_rows(
     choices = [(min(rank, most), weight) for rank in ranks for weight in weights]
     if len(choices) > 1:
         half = training.shape[1] // 2
-        basis, held = _eigenvectors(training[:, :half]), training[:, half:]
-        errors = [
-            np.square(_bridge(basis, missing, *c) @ held[~missing] - held[missing]).sum()
-            for c in choices
-        ]
+        basis = _eigenvectors(training[:, :half])
+        gram = training[:, half:] @ training[:, half:].T
+        errors = [_misses(_bridge(basis, missing, *c), gram, missing) for c in choices]
         choices = [choices[int(np.argmin(errors))]]
     done = column.copy()
     done[missing] = _bridge(_eigenvectors(training), missing, *choices[0]) @ column[~missing]
@@ -105,6 +106,13 @@ def weighted_rows(
 
 def _eigenvectors(training: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.eigh(training @ training.T)[1][:, ::-1])
+
+
+def _misses(operator: FloatArray, gram: FloatArray, missing: BoolArray) -> float:
+    """Sum the squares of operator · seen - missing over all columns, from their products."""
+    across = gram[np.ix_(~missing, missing)]
+    seen = operator @ gram[np.ix_(~missing, ~missing)]
+    return float((seen * operator).sum() - 2.0 * (operator * across.T).sum())
 
 
 def _bridge(basis: FloatArray, missing: BoolArray, rank: int, weight: FloatArray) -> FloatArray:

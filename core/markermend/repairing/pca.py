@@ -102,10 +102,12 @@ def reconstruct(
     weight[missing] = settings.own_weight
     weights, void = np.repeat(weight, n_dims), np.repeat(missing, n_dims)
     full = complete.reshape(len(complete), -1)
-    mean, spread = full.mean(axis=0), full.std(axis=0)
+    mean = full.mean(axis=0)
+    full = full - mean
+    gram = full.T @ full
+    spread = np.sqrt(np.diag(gram) / len(full))
     scale = weights / np.where(spread > 0, spread, 1.0)
-    known = (full - mean) * scale
-    gram = known.T @ known
+    gram *= scale[:, None] * scale
     basis, size = _components(gram)
     zeroed, zeroed_size = _components(np.where(void | void[:, None], 0.0, gram))
     keep = max(_needed(size, settings.cumulative), _needed(zeroed_size, settings.cumulative))

@@ -9,7 +9,7 @@ from markermend.model import BoolArray, FloatArray
 from markermend.repairing.pca import centred
 from markermend.repairing.window import Window
 
-REACH = 60
+REACH = 30
 """Frames smoothed before and after the span; what is further away has no say any more."""
 
 TAME = 0.9
@@ -107,6 +107,7 @@ def smooth(model: Subspace, data: FloatArray) -> FloatArray:
     state, cover = np.zeros((n, size)), np.zeros((n, size, size))
     ahead, ahead_cover = np.zeros((n, size)), np.zeros((n, size, size))
     gains: dict[bytes, FloatArray] = {}
+    unit = np.eye(size)
     prior, prior_cover = np.zeros(size), model.spread
     for t in range(n):
         pattern = seen[t].tobytes()
@@ -114,9 +115,9 @@ def smooth(model: Subspace, data: FloatArray) -> FloatArray:
             part = model.basis[seen[t]]
             gains[pattern] = (part / model.noise[seen[t], None]).T @ part
         ahead[t], ahead_cover[t] = prior, prior_cover
-        information = np.linalg.inv(prior_cover)
-        cover[t] = np.linalg.inv(information + gains[pattern])
-        state[t] = cover[t] @ (information @ prior + pull[t])
+        gain = gains[pattern]
+        cover[t] = prior_cover @ np.linalg.inv(unit + gain @ prior_cover)
+        state[t] = prior + cover[t] @ (pull[t] - gain @ prior)
         prior, prior_cover = state[t], cover[t] + model.drift
     for t in range(n - 2, -1, -1):
         gain = cover[t] @ np.linalg.inv(ahead_cover[t + 1])

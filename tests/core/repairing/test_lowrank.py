@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from markermend.repairing.lowrank import (
     by_sparse_low_rank,
     by_truncated_norm,
@@ -50,7 +51,7 @@ def test_shrink_is_the_proximal_point_of_the_nuclear_norm(seed, n, m, threshold)
 class TestSparseLowRank:
     def solve(self, spoilt, known, group, iterations=2000, tolerance=1e-7, weight=0.1):
         penalty = frequency_penalty(len(spoilt), RATE, weight, 6.0, 100.0)
-        return by_sparse_low_rank(spoilt, known, penalty, group, iterations, tolerance)
+        return by_sparse_low_rank(spoilt, known, penalty, group, iterations, tolerance, trace=True)
 
     def test_meets_the_constraint_and_falls_to_its_limit(self, group):
         spoilt, known = hidden(treadmill())

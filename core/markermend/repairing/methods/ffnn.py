@@ -13,6 +13,9 @@ from markermend.repairing.neighbourhood import neighbourhood
 from markermend.repairing.problem import Problem
 from markermend.repairing.window import window
 
+CONTEXT = 1500
+"""Frames around the span that suffice to learn from."""
+
 
 @method(
     title="Neural network predictor (FFNN)",
@@ -53,7 +56,7 @@ def ffnn(
     CannotRepair
         If there are no neighbours, or too few frames to learn from.
     """
-    cut = window(problem)
+    cut = window(problem, CONTEXT)
     near = neighbourhood(cut)
     middle = near.positions[:, 1:].mean(axis=1)
     predicted = predict.ffnn(
