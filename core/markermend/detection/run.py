@@ -8,7 +8,7 @@ from markermend.model import KINDS, Finding, Kind, Take
 from markermend.registry import Registry
 
 DETECTORS = Registry("detector", "markermend.detection.methods", "markermend.detectors")
-DEFAULT = "published"
+DEFAULT = "likelihood"
 
 
 def detect(
