@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from markermend.detection import detect
+from markermend.detection.run import DEFAULT
 from markermend.errors import BadInput
 from markermend.evaluate.contamination import contaminate
 from markermend.evaluate.parallel import in_order
@@ -168,7 +169,7 @@ class _Task:
 def e1(
     take: Take,
     *,
-    detectors: Sequence[str] = ("published",),
+    detectors: Sequence[str] = (DEFAULT,),
     amplitudes: Sequence[float] = (5.0, 10.0),
     shares: Sequence[float] = (0.05, 0.1, 0.2),
     simulations: int = 100,

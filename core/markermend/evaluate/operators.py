@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from markermend.detection import DETECTORS, detect
+from markermend.detection.run import DEFAULT
 from markermend.errors import BadInput
 from markermend.evaluate.contamination import MEAN_LENGTH, Truth, contaminate
 from markermend.evaluate.parallel import in_order
@@ -182,7 +183,7 @@ def e2(
     take: Take,
     *,
     operators: Sequence[Operator] = OPERATORS,
-    detector: str = "published",
+    detector: str = DEFAULT,
     amplitude_mm: float = 10.0,
     share: float = 0.02,
     tolerance_mm: float = 3.0,

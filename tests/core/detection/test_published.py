@@ -1,6 +1,7 @@
 """The published detector on takes."""
 
 import json
+from functools import partial
 
 import numpy as np
 import pytest
@@ -8,9 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from markermend.body import infer
-from markermend.detection import DETECTORS, detect
+from markermend.detection import DETECTORS
+from markermend.detection import detect as detect_with
 from markermend.errors import BadParameter
 from markermend.model import Span, Take
+
+detect = partial(detect_with, detector="published")
 
 
 def person(n_frames=2000, rate=100.0, seed=0, n_dims=3):

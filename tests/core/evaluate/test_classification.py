@@ -20,7 +20,13 @@ def swaying(n_frames=600):
 
 
 def small(**given):
-    settings = {"amplitudes": [10.0], "shares": [0.1], "simulations": 2, **given}
+    settings = {
+        "detectors": ["published"],
+        "amplitudes": [10.0],
+        "shares": [0.1],
+        "simulations": 2,
+        **given,
+    }
     return e1(swaying(), **settings)
 
 
@@ -34,7 +40,7 @@ def test_every_sample_is_counted(table):
     assert cell.matrix.sum() == pytest.approx(600 * 6)
     # Each kind takes the whole share.
     assert cell.matrix.sum(axis=1)[1:] == pytest.approx([60] * 4)
-    assert cell.classes["peak"].tpr > 50
+    assert cell.classes["peak"].tpr > 30
     assert cell.spans["peak"].true == 120
 
 
