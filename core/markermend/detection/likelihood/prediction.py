@@ -14,11 +14,74 @@ from markermend.model import BoolArray, FloatArray
 CHOICES = ((3, 3), (4, 6), (3, 10), (4, 16))
 MOST_NEIGHBOURS = max(n for _, n in CHOICES)
 
-HALF_BLOCK = 40  # a fold is two half blocks, trained without these and the half block on each side
-FADE = 30  # frames over which the predictions of two folds are blended
+_HALF_BLOCK = 40  # a fold is two half blocks, trained without these and the half block on each side
+_FADE = 30  # frames over which the predictions of two folds are blended
 _RIDGE_MM = 0.5  # ridge as the noise, per feature and frame, that it stands for
 _HUBER = 2.0  # residuals beyond this many median norms lose weight
 _TREND = 101  # frames of the running means that keep slow drifts out of the fit
+_BETTER = 0.97  # a larger choice must reduce the error to this
+
+
+@dataclass(frozen=True, eq=False)
+class Carrier:
+    """A local frame of reference: the markers that carry it and their usual shape (k, 3) mm."""
+
+    markers: NDArray[np.intp]
+    usual: FloatArray
+
+    def follow(self, positions: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Give lab-to-local rotations (3, 3, n_frames) and centres (n_frames, 3)."""
+        points = positions[:, self.markers]
+        centre = points.mean(1)
+        b = points - centre[:, None]
+        H = np.einsum("nki,kj->ijn", b, self.usual)
+        sizes = ((self.usual**2).sum() + (b * b).sum((1, 2))) / 2
+        return best_rotations(H, sizes), centre
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """How one marker is predicted from its neighbours.
+
+    Attributes
+    ----------
+    marker, features
+        Indices.
+    carrier
+        The frame of reference.
+    origin
+        (3 * n_features + 3,): usual local coordinates of the features and of the marker.
+    coefficients
+        (n_folds, 3 * n_features, 3).
+    bounds
+        (n_folds + 1,): first frames of the folds, and the end.
+    """
+
+    marker: int
+    features: NDArray[np.intp]
+    carrier: Carrier
+    origin: FloatArray
+    coefficients: FloatArray
+    bounds: NDArray[np.intp]
+
+    def residual(self, positions: FloatArray, start: int) -> FloatArray:
+        """Give observed minus predicted in local axes, for a stretch of other positions.
+
+        Parameters
+        ----------
+        positions
+            (n, n_markers, 3) mm, beginning at frame `start` of those that were learnt from.
+        start
+            First frame.
+        """
+        turn, centre = self.carrier.follow(positions)
+        local = _local(positions, self.features, self.marker, turn, centre) - self.origin
+        shares = _shares(self.bounds, start, start + len(positions))
+        predicted = np.zeros((len(positions), 3))
+        for fold, share in shares:
+            predicted += share[:, None] * (local[:, :-3] @ self.coefficients[fold])
+        result: FloatArray = local[:, -3:] - predicted
+        return result
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,59 +90,45 @@ class Prediction:
 
     Attributes
     ----------
+    model
+        How it was made.
     residual
         (n_frames, 3) mm: observed minus predicted.
     turn
         (3, 3, n_frames): lab to local rotations.
     leverage
         (n_frames,): how far outside the usual postures the frame's features lie.
-    carriers, features
-        Indices of the markers used.
     """
 
+    model: Model
     residual: FloatArray
     turn: FloatArray
     leverage: FloatArray
-    carriers: NDArray[np.intp]
-    features: NDArray[np.intp]
-    error: float
 
-    def to_lab(self, vectors: FloatArray, frames: slice = slice(None)) -> FloatArray:
-        """Turn local vectors (n, 3) of these frames into lab directions."""
-        return np.einsum("jin,nj->ni", self.turn[:, :, frames], vectors)
+    def to_lab(self, vectors: FloatArray) -> FloatArray:
+        """Turn local vectors (n_frames, 3) into lab directions."""
+        result: FloatArray = np.einsum("jin,nj->ni", self.turn, vectors)
+        return result
 
     def to_local(self, vectors: FloatArray) -> FloatArray:
         """Turn lab vectors (n_frames, 3) into local directions."""
-        return np.einsum("ijn,nj->ni", self.turn, vectors)
+        result: FloatArray = np.einsum("ijn,nj->ni", self.turn, vectors)
+        return result
 
 
-def local_frames(positions: FloatArray, markers: NDArray[np.intp]) -> tuple[FloatArray, FloatArray]:
-    """Follow a few markers: lab-to-local rotations (3, 3, n_frames) and centres (n_frames, 3).
+@dataclass(frozen=True, eq=False)
+class _View:
+    """A marker and its neighbours in one frame of reference, with and without slow drifts."""
 
-    The usual shape is the mean over frames after alignment with the frame of the most usual
-    distances. The nearest markers count fully.
-    """
-    points = positions[:, markers]
-    centre = points.mean(1)
-    b = points - centre[:, None]
-    size = (b * b).sum((1, 2))
-    usual = b[np.argsort(size, kind="stable")[len(size) // 2]]
-    some = slice(None, None, max(1, len(b) // 200))
-    for part in (some, slice(None)):
-        H = np.einsum("nki,kj->ijn", b[part], usual)
-        turn = best_rotations(H, ((usual * usual).sum() + size[part]) / 2)
-        if part is some:
-            aligned = np.einsum("ijn,nkj->nki", turn, b[part])
-            usual = np.median(aligned, axis=0)
-            usual = usual - usual.mean(0)
-    return turn, centre
+    carrier: Carrier
+    turn: FloatArray
+    origin: FloatArray
+    local: FloatArray
+    detrended: FloatArray
 
 
 def predict_marker(
-    positions: FloatArray,
-    trusted: BoolArray,
-    marker: int,
-    neighbours: NDArray[np.intp],
+    positions: FloatArray, trusted: BoolArray, marker: int, neighbours: NDArray[np.intp]
 ) -> Prediction:
     """Predict one marker in the frame of reference and from the neighbours that suit it best.
 
@@ -92,106 +141,148 @@ def predict_marker(
     marker
         Index.
     neighbours
-        Indices of the others, steadiest first.
+        Indices of the others, steadiest first; at least 3.
     """
-    best: Prediction | None = None
-    made: dict[int, tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]] = {}
-    for k, n in CHOICES:
-        if n > len(neighbours) and best is not None:
-            continue
-        k, n = min(k, len(neighbours)), min(n, len(neighbours))
-        widest = max((min(w, len(neighbours)) for j, w in CHOICES if j == k), default=n)
-        if k not in made:
-            turn, centre = local_frames(positions, neighbours[:k])
-            used = np.concatenate((neighbours[:widest], [marker]))
-            local = np.einsum("ijn,nkj->nki", turn, positions[:, used] - centre[:, None])
-            local = local.reshape(len(local), -1)
-            local = local - np.median(local, axis=0)
-            made[k] = (turn, local[:, :-3], local[:, -3:], *_detrended(local))
-        turn, Z, y, Zd, yd = made[k]
-        p = 3 * n
-        weight = trusted[:, marker].astype(np.float64)
-        residual, leverage, error = _regress(Z[:, :p], y, Zd[:, :p], yd, weight)
-        if best is None or error < 0.97 * best.error:
-            best = Prediction(residual, turn, leverage, neighbours[:k], neighbours[:n], error)
+    most = len(neighbours)
+    choices = dict.fromkeys((min(k, most), min(n, most)) for k, n in CHOICES)
+    weight = trusted[:, marker].astype(np.float64)
+    views: dict[int, _View] = {}
+    grams: dict[int, _Grams] = {}
+    best: tuple[float, int, int] | None = None
+    for k, n in choices:
+        if k not in views:
+            widest = max(m for j, m in choices if j == k)
+            views[k] = _view(positions, marker, neighbours[:k], neighbours[:widest])
+            grams[k] = _Grams(views[k].detrended, weight)
+        error = grams[k].error(3 * n)
+        if best is None or error < _BETTER * best[0]:
+            best = (error, k, n)
     assert best is not None
-    return best
+    _, k, n = best
+    view = views[k]
+    keep = np.r_[0 : 3 * n, view.local.shape[1] - 3 : view.local.shape[1]]
+    local, detrended = view.local[:, keep], view.detrended[:, keep]
+    coefficients, inverse = _Grams(detrended, grams[k].reweighted(3 * n)).folds(3 * n)
+    bounds = grams[k].bounds[::2]
+    predicted, leverage = np.zeros((len(local), 3)), np.zeros(len(local))
+    for i, share in _shares(bounds, 0, len(local)):
+        part = np.flatnonzero(share)
+        part_of = slice(part[0], part[-1] + 1)
+        F = detrended[part_of, :-3]
+        predicted[part_of] += share[part_of, None] * (local[part_of, :-3] @ coefficients[i])
+        leverage[part_of] += share[part_of] * ((F @ inverse[i]) * F).sum(1)
+    model = Model(marker, neighbours[:n], view.carrier, view.origin[keep], coefficients, bounds)
+    return Prediction(model, local[:, -3:] - predicted, view.turn, leverage)
 
 
-def _detrended(local: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _carrier(positions: FloatArray, markers: NDArray[np.intp]) -> Carrier:
+    """Take the median shape after alignment with the frame of median size."""
+    points = positions[:, markers]
+    b = points - points.mean(1, keepdims=True)
+    size = (b * b).sum((1, 2))
+    first = Carrier(markers, b[np.argsort(size, kind="stable")[len(size) // 2]])
+    some = positions[:: max(1, len(positions) // 200)]
+    turn, centre = first.follow(some)
+    aligned = np.einsum("ijn,nkj->nki", turn, some[:, markers] - centre[:, None])
+    usual = np.median(aligned, axis=0)
+    return Carrier(markers, usual - usual.mean(0))
+
+
+def _local(
+    positions: FloatArray,
+    features: NDArray[np.intp],
+    marker: int,
+    turn: FloatArray,
+    centre: FloatArray,
+) -> FloatArray:
+    """Local coordinates of the features and, last, of the marker: (n_frames, 3 * k + 3)."""
+    points = positions[:, np.append(features, marker)] - centre[:, None]
+    turned = np.matmul(points, turn.transpose(2, 1, 0))
+    return turned.reshape(len(turned), -1)
+
+
+def _view(
+    positions: FloatArray, marker: int, carriers: NDArray[np.intp], features: NDArray[np.intp]
+) -> _View:
+    carrier = _carrier(positions, carriers)
+    turn, centre = carrier.follow(positions)
+    local = _local(positions, features, marker, turn, centre)
+    origin = np.median(local[:: max(1, len(local) // 300)], axis=0)
+    local = local - origin
     trend = local
+    width = min(_TREND, max(1, len(local) // 2 * 2 - 1))
     for _ in range(3):
-        trend = uniform_filter1d(
-            trend, min(_TREND, len(local) // 2 * 2 - 1), axis=0, mode="nearest"
-        )
-    rest = local - trend
-    return rest[:, :-3], rest[:, -3:]
+        trend = uniform_filter1d(trend, width, axis=0, mode="nearest")
+    return _View(carrier, turn, origin, local, local - trend)
 
 
-def _regress(
-    Z: FloatArray, y: FloatArray, Zd: FloatArray, yd: FloatArray, weight: FloatArray
-) -> tuple[FloatArray, FloatArray, float]:
-    """Ridge regression with leave-block-out folds and one Huber reweighting."""
-    n, p = Z.shape
-    halves = max(2, round(n / HALF_BLOCK / 2) * 2)
-    bounds = np.linspace(0, n, halves + 1).astype(int)
-    width = int(np.diff(bounds).max())
-    padded = np.zeros((halves, width, p + 3))
-    weights = np.zeros((halves, width))
-    for h in range(halves):
-        part = slice(bounds[h], bounds[h + 1])
-        padded[h, : bounds[h + 1] - bounds[h], :p] = Zd[part]
-        padded[h, : bounds[h + 1] - bounds[h], p:] = yd[part]
-        weights[h, : bounds[h + 1] - bounds[h]] = weight[part]
-    residual = inverse = coefficients = np.empty(0)
-    for reweighted in (False, True):
-        grams = np.matmul(np.swapaxes(padded[:, :, :p] * weights[:, :, None], 1, 2), padded)
-        near = grams.copy()
-        near[1:] += grams[:-1]
-        near[:-1] += grams[1:]
-        folds = halves // 2
-        left_out = np.empty((folds, p, p + 3))
-        for i in range(folds):
-            low, high = max(0, 2 * i - 1), min(halves, 2 * i + 3)
-            left_out[i] = grams[low:high].sum(0)
-        G = grams.sum(0) - left_out
-        ridge = _RIDGE_MM**2 * max(weight.sum(), 1.0)
-        inverse = np.linalg.inv(G[:, :, :p] + ridge * np.eye(p))
-        coefficients = np.matmul(inverse, G[:, :, p:])
-        if not reweighted:
-            rest = padded[:, :, p:] - np.matmul(
-                padded[:, :, :p], np.repeat(coefficients, 2, axis=0)
-            )
-            norm = np.sqrt((rest * rest).sum(2))
-            usual = np.median(norm[weights > 0]) if (weights > 0).any() else 1.0
-            weights = weights * np.minimum(1.0, _HUBER * usual / np.maximum(norm, 1e-9))
-    rest = padded[:, :, p:] - np.matmul(padded[:, :, :p], np.repeat(coefficients, 2, axis=0))
-    norm = np.sqrt((rest * rest).sum(2))
-    error = float(np.mean(np.sqrt(norm[weights > 0]))) ** 2 if (weights > 0).any() else np.inf
-    residual, leverage = _faded(Z, y, Zd, coefficients, inverse, bounds[::2])
-    return residual, leverage, error
+class _Grams:
+    """Normal equations of a ridge regression by half blocks, so that any fold is a difference.
+
+    The last three columns of the data are the target.
+    """
+
+    def __init__(self, data: FloatArray, weight: FloatArray) -> None:
+        n = len(data)
+        halves = max(2, round(n / _HALF_BLOCK / 2) * 2)
+        self.bounds = np.linspace(0, n, halves + 1).astype(np.intp)
+        self.weight = weight
+        lengths = np.diff(self.bounds)
+        rows = self.bounds[:-1, None] + np.arange(lengths.max())
+        inside = np.arange(lengths.max()) < lengths[:, None]
+        self.rows = np.minimum(rows, n - 1)
+        self.inside = inside
+        self.data = data[self.rows] * inside[..., None]
+        self.weights = weight[self.rows] * inside
+        grams = np.matmul(np.swapaxes(self.data * self.weights[..., None], 1, 2), self.data)
+        out = np.zeros((halves // 2, *grams.shape[1:]))
+        for i in range(halves // 2):
+            out[i] = grams[max(0, 2 * i - 1) : min(halves, 2 * i + 3)].sum(0)
+        self.left = grams.sum(0) - out
+
+    def folds(self, p: int) -> tuple[FloatArray, FloatArray]:
+        """Coefficients (n_folds, p, 3) and inverses (n_folds, p, p) of the first p features."""
+        ridge = _RIDGE_MM**2 * max(float(self.weight.sum()), 1.0)
+        inverse = np.linalg.inv(self.left[:, :p, :p] + ridge * np.eye(p))
+        return np.matmul(inverse, self.left[:, :p, -3:]), inverse
+
+    def norms(self, p: int) -> FloatArray:
+        """(n_half_blocks, width): sizes of the left-out residuals."""
+        ridge = _RIDGE_MM**2 * max(float(self.weight.sum()), 1.0)
+        solved = np.linalg.solve(self.left[:, :p, :p] + ridge * np.eye(p), self.left[:, :p, -3:])
+        rest = self.data[:, :, -3:] - np.matmul(self.data[:, :, :p], np.repeat(solved, 2, axis=0))
+        return np.sqrt((rest * rest).sum(2))
+
+    def error(self, p: int) -> float:
+        """Left-out error with p features, mm, hardly moved by artefacts."""
+        good = self.weights > 0
+        if not good.any():
+            return np.inf
+        return float(np.mean(np.sqrt(self.norms(p)[good]))) ** 2
+
+    def reweighted(self, p: int) -> FloatArray:
+        """(n_frames,): weights after one Huber step."""
+        norm = self.norms(p)
+        good = self.weights > 0
+        usual = float(np.median(norm[good])) if good.any() else 1.0
+        factor = np.minimum(1.0, _HUBER * usual / np.maximum(norm, 1e-9))
+        out = self.weight.copy()
+        out[self.rows[self.inside]] *= factor[self.inside]
+        return out
 
 
-def _faded(
-    Z: FloatArray,
-    y: FloatArray,
-    Zd: FloatArray,
-    coefficients: FloatArray,
-    inverse: FloatArray,
-    bounds: NDArray[np.intp],
-) -> tuple[FloatArray, FloatArray]:
-    n = len(Z)
-    predicted = np.zeros_like(y)
-    leverage = np.zeros(n)
-    total = np.zeros(n)
+def _shares(
+    bounds: NDArray[np.intp], start: int, stop: int
+) -> list[tuple[int, FloatArray]]:
+    """How much each fold counts in frames start to stop; shares of a frame add up to 1."""
+    t = np.arange(start, stop)
+    last = len(bounds) - 2
+    found = []
     for i, (a, b) in enumerate(zip(bounds[:-1], bounds[1:], strict=True)):
-        low, high = max(0, a - FADE), min(n, b + FADE)
-        t = np.arange(low, high)
-        left = np.ones(len(t)) if a == 0 else (t - a + FADE + 0.5) / (2 * FADE)
-        right = np.ones(len(t)) if b == n else (b + FADE - t - 0.5) / (2 * FADE)
+        left = np.ones(len(t)) if i == 0 else (t - a + _FADE + 0.5) / (2 * _FADE)
+        right = np.ones(len(t)) if i == last else (b + _FADE - t - 0.5) / (2 * _FADE)
         share = np.clip(np.minimum(left, right), 0.0, 1.0)
-        predicted[low:high] += share[:, None] * (Z[low:high] @ coefficients[i])
-        F = Zd[low:high]
-        leverage[low:high] += share * ((F @ inverse[i]) * F).sum(1)
-        total[low:high] += share
-    return y - predicted / total[:, None], leverage / total
+        if share.any():
+            found.append((i, share))
+    total = np.sum([share for _, share in found], axis=0)
+    return [(i, share / total) for i, share in found]

@@ -1,11 +1,13 @@
 """Slow changes: triangles that the neighbours' prediction cannot explain."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import fft
 
 from markermend.detection.likelihood import templates
+from markermend.detection.likelihood.prediction import Prediction
 from markermend.detection.likelihood.sharp import LEAST, Candidate
 from markermend.detection.likelihood.whitening import Whitened
 from markermend.model import BoolArray, FloatArray
@@ -13,10 +15,11 @@ from markermend.model import BoolArray, FloatArray
 LENGTHS = (33, 41, 51, 63, 79)  # frames at 100 Hz
 _BOXES = (12, 20, 30, 45, 65)
 _AROUND = 50  # frames within which nothing much may be left
-_MOST_LEFT = 0.42
 _MOST_BOX = 1.0  # a box of any length that scores higher is no triangle
 _MOST_LABELLED = 0.3
 _QUANTILE_POWER = 0.7
+_MASKED = 10  # frames beside a triangle in which no second one is looked for
+_ECHO = 0.6  # a score that falls below this share was an echo
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +30,41 @@ class Triangles:
     length: FloatArray
 
 
+@dataclass(frozen=True, eq=False)
+class Hill:
+    """One triangle on one marker.
+
+    Attributes
+    ----------
+    marker, start, length
+        Where; the triangle's own frames.
+    score, value
+        Its likelihood-ratio score, and that over the learnt scale, less what it leaves behind.
+    left
+        Largest score left around, as a share of its own.
+    size
+        (3,) mm in local axes.
+    """
+
+    marker: int
+    start: int
+    length: int
+    score: float
+    value: float
+    left: float
+    size: FloatArray
+
+    @property
+    def stop(self) -> int:
+        """Frame after the last."""
+        return self.start + self.length
+
+    def overlaps(self, other: "Hill") -> bool:
+        """Whether they share a third of the shorter one."""
+        both = min(self.stop, other.stop) - max(self.start, other.start)
+        return 3 * both > min(self.length, other.length)
+
+
 def scan(whitened: Whitened) -> Triangles:
     """Score triangles of all lengths, centred on every frame where they fit."""
     total = templates.sums(whitened)
@@ -34,7 +72,7 @@ def scan(whitened: Whitened) -> Triangles:
     best = np.zeros((len(total) // 3, n))
     length = np.full(best.shape, LENGTHS[0])
     for L in LENGTHS:
-        if n < L:
+        if L > n:
             continue
         shape = templates.triangle_template(L)
         z = templates.score(templates.triangles(total, L), whitened.energy(shape))
@@ -57,53 +95,127 @@ def normalised(score: FloatArray, scale: FloatArray, valid: BoolArray) -> FloatA
 
 def find_slow(
     whitened: Whitened,
-    triangles: Triangles,
     u: FloatArray,
+    triangles: Triangles,
     labelled: BoolArray,
+    predictions: Mapping[int, Prediction],
+    positions: FloatArray,
     threshold: float,
     least_mm: float,
 ) -> list[Candidate]:
-    """Take the best triangle, see what is left when it is taken out, and again."""
+    """Triangles that stand out, leave little behind when taken out, and are no echo.
+
+    Parameters
+    ----------
+    whitened
+        Residuals, three series per marker.
+    u, triangles
+        From `normalised` and `scan`.
+    labelled
+        (n_markers, n_frames): frames explained by other kinds, or not seen.
+    predictions, positions
+        How the residuals were made, and from what (n_frames, n_markers, 3).
+    threshold
+        Value that has to be passed.
+    least_mm
+        Smallest amplitude.
+    """
+    kept: list[Hill] = []
+    hills = _hills(whitened, u, triangles, labelled, LEAST * threshold, least_mm)
+    for hill in sorted(hills, key=lambda h: (-h.value, h.marker, h.start)):
+        rivals = [k for k in kept if k.marker != hill.marker and k.overlaps(hill)]
+        wins = True
+        for rival in rivals:
+            here = _explained(hill, rival, whitened, predictions, positions)
+            there = _explained(rival, hill, whitened, predictions, positions)
+            if min(here, there) >= _ECHO:
+                continue
+            # Whichever of the two leaves less of both is the cause.
+            as_echo = rival.left * rival.score + here * hill.score
+            as_cause = hill.left * hill.score + there * rival.score
+            if as_echo <= as_cause:
+                wins = False
+                break
+            kept.remove(rival)
+        if wins:
+            kept.append(hill)
+    return [
+        Candidate("slow", h.marker, h.start, h.stop, h.value / threshold, h.value) for h in kept
+    ]
+
+
+def _hills(
+    whitened: Whitened,
+    u: FloatArray,
+    triangles: Triangles,
+    labelled: BoolArray,
+    least: float,
+    least_mm: float,
+) -> list[Hill]:
     u = u.copy()
-    n = u.shape[1]
-    found = []
+    hills = []
     while True:
-        m, t = np.unravel_index(int(u.argmax()), u.shape)
+        m, t = (int(i) for i in np.unravel_index(int(u.argmax()), u.shape))
         value = float(u[m, t])
-        if value < LEAST * threshold:
-            break
+        if value < least:
+            return hills
         L = int(triangles.length[m, t])
-        start, stop = max(0, t - L // 2), min(n, t + L // 2 + 1)
-        u[m, max(0, t - L // 2 - 10) : t + L // 2 + 11] = 0.0
-        if labelled[m, start:stop].mean() > _MOST_LABELLED:
+        start = t - L // 2
+        u[m, max(0, start - _MASKED) : start + L + _MASKED] = 0.0
+        if labelled[m, start : start + L].mean() > _MOST_LABELLED:
             continue
-        rows = slice(3 * m, 3 * m + 3)
-        left, amplitude, box = _taken_out(whitened, rows, int(t), L, float(triangles.score[m, t]))
-        if amplitude < least_mm or left > _MOST_LEFT or box > _MOST_BOX:
-            continue
-        found.append(Candidate("slow", int(m), start, stop, value / threshold, value))
-    return found
+        hill = _taken_out(whitened, m, start, L, value)
+        if hill.value >= least and np.sqrt((hill.size**2).sum()) >= least_mm:
+            hills.append(hill)
 
 
-def _taken_out(
-    whitened: Whitened, rows: slice, centre: int, L: int, before: float
-) -> tuple[float, float, float]:
-    """Share of the score left around, amplitude in mm, and how well a box does instead."""
-    n = whitened.g.shape[1]
-    weight = whitened.weight[rows]
-    one = Whitened(whitened.g[rows], weight, whitened.size)
+def _taken_out(whitened: Whitened, marker: int, start: int, L: int, u: float) -> Hill:
+    """Fit the triangle, take it out, and see what is left and whether a box does better."""
+    rows = slice(3 * marker, 3 * marker + 3)
+    one = Whitened(whitened.g[rows], whitened.weight[rows], whitened.size)
+    n = one.g.shape[1]
     shape = templates.triangle_template(L)
-    start = centre - L // 2
     q = one.energy(shape)
     N = one.g[:, start : start + L] @ shape
-    answer = fft.irfft(weight * fft.rfft(shape, whitened.size), whitened.size)
+    score = float(np.sqrt((N * N / q).sum()))
+    answer = fft.irfft(one.weight * fft.rfft(shape, one.size), one.size)
     answer = np.roll(answer, start, axis=1)[:, :n]
-    rest = Whitened(one.g - (N / q)[:, None] * answer, weight, whitened.size)
-    again = scan(rest).score[0]
-    left = float(again[max(0, centre - _AROUND) : centre + _AROUND + 1].max())
+    rest = Whitened(one.g - (N / q)[:, None] * answer, one.weight, one.size)
+    middle = start + L // 2
+    around = scan(rest).score[0, max(0, middle - _AROUND) : middle + _AROUND + 1]
+    left = float(around.max()) / score
     total = templates.sums(one)
-    best_box = 0.0
     for length in _BOXES:
-        z = templates.score(templates.boxes(total, length), one.energy(np.ones(length)))[0]
-        best_box = max(best_box, float(z[max(0, start - length // 2) : start + L].max(initial=0.0)))
-    return left / before, float(np.sqrt(((N / q) ** 2).sum())), best_box / before
+        if length < n:
+            z = templates.score(templates.boxes(total, length), one.energy(np.ones(length)))[0]
+            if z[max(0, start - length // 2) : start + L].max(initial=0.0) > _MOST_BOX * score:
+                left = 1.0
+    return Hill(marker, start, L, score, u * max(0.0, 1.0 - left), left, N / q)
+
+
+def _explained(
+    hill: Hill,
+    cause: Hill,
+    whitened: Whitened,
+    predictions: Mapping[int, Prediction],
+    positions: FloatArray,
+) -> float:
+    """Share of a hill's score that is left once another marker's triangle is taken out."""
+    model = predictions[hill.marker].model
+    if cause.marker not in model.features:
+        return 1.0
+    part = slice(max(0, cause.start), min(len(positions), cause.stop))
+    shape = templates.triangle_template(cause.length)
+    turn = predictions[cause.marker].turn[:, :, part]
+    window = positions[part].copy()
+    before = model.residual(window, part.start)
+    window[:, cause.marker] -= np.einsum("jin,j->ni", turn, cause.size) * shape[:, None]
+    change = before - model.residual(window, part.start)
+    rows = slice(3 * hill.marker, 3 * hill.marker + 3)
+    one = Whitened(whitened.g[rows], whitened.weight[rows], whitened.size)
+    effect = fft.irfft(one.weight * fft.rfft(change.T, one.size), one.size)
+    effect = np.roll(effect, part.start, axis=1)[:, hill.start : hill.stop]
+    own = templates.triangle_template(hill.length)
+    q = one.energy(own)
+    left = one.g[:, hill.start : hill.stop] @ own - effect @ own
+    return float(np.sqrt((left**2 / q).sum())) / hill.score

@@ -117,7 +117,9 @@ def scan_window(recorded: FloatArray, settings: Settings) -> Scan:
         path[m] -= change if alone else predictions[m].to_lab(change)
     own_jumps = steps.jumps(whiten(_series(path), settings.floor, 2), free)
     their_jumps = steps.jumps(whiten(_series(calm), settings.floor, order), free)
+    # No edge beside a gap or a peak: a level that was bridged there is no witness either.
     edge_free = free & ~binary_dilation(~seen.T, np.ones((1, 7)))
+    edge_free &= ~binary_dilation(flagged, np.ones((1, 3)))
     stepped = steps.find_steps(own_jumps, their_jumps, neighbours, edge_free, settings.step)
     found += stepped
     raw = residual if alone else _lab(predictions, residual)
@@ -135,7 +137,7 @@ def scan_window(recorded: FloatArray, settings: Settings) -> Scan:
         again = [
             m
             for m in range(n_markers)
-            if m in touched or touched & set(predictions[m].features.tolist())
+            if m in touched or touched & set(predictions[m].model.features.tolist())
         ]
         clean = np.ascontiguousarray(path.transpose(1, 0, 2))
         good = seen & ~flagged.T
@@ -229,4 +231,6 @@ def _slow(
     usual = rolling_quantile(best.score, valid, 200, 0.5, 20)
     covariates = (mates + 5.0, leverage + 1e-4, usual + 0.2)
     u = slow.normalised(best.score, learnt_scale(best.score, covariates, valid & good), valid)
-    return slow.find_slow(whitened, best, u, ~good, settings.slow, settings.least_slow)
+    return slow.find_slow(
+        whitened, u, best, ~good, predictions, positions, settings.slow, settings.least_slow
+    )
