@@ -11,8 +11,8 @@ from markermend.errors import CannotRepair
 from markermend.model import FloatArray
 from markermend.registry import Method
 from markermend.repairing.blend.band import band_by_position
-from markermend.repairing.blend.blend import Blend, blend
-from markermend.repairing.blend.decide import outcome
+from markermend.repairing.blend.blend import Blend
+from markermend.repairing.blend.decide import outcome, tested
 from markermend.repairing.blend.scene import Scene
 from markermend.repairing.problem import Outcome, Problem
 from markermend.repairing.run import REPAIRS, solve
@@ -116,7 +116,7 @@ class Bench:
     @cached_property
     def reference(self) -> Blend | None:
         """The mix by which the best known fill is made, with its errors on its own pseudo-gaps."""
-        return None if self._around is None else blend(self._around)
+        return None if self._around is None else tested(self._around)
 
     def reference_outcome(self) -> Outcome:
         """Give what the reference method fills in.

@@ -1,31 +1,50 @@
 """Decide how a span is filled by default: by a tested mix where one can be tested."""
 
+import numpy as np
+
 from markermend.errors import CannotRepair
 from markermend.repairing.blend.blend import Blend, blend
-from markermend.repairing.blend.fixed import between_edges, regress_and_krige
+from markermend.repairing.blend.fixed import between_edges
 from markermend.repairing.blend.scene import Scene, survey
+from markermend.repairing.blend.short import share_of_tested, short
 from markermend.repairing.problem import Outcome, Problem
 from markermend.repairing.window import window
-
-LEAST_ROWS = 10
 
 
 def decide(problem: Problem) -> Outcome:
     """Fill the span by the best means that it allows; see `markermend.repairing.methods.auto`."""
     around = survey(window(problem))
     _check(around)
-    return outcome(problem, around, blend(around))
+    return outcome(problem, around, tested(around))
+
+
+def tested(around: Scene) -> Blend | None:
+    """Give the mix that does best on pseudo-gaps; None where too little is seen to test any."""
+    return blend(around) if _share(around) > 0 or not len(around.order) else None
+
+
+def _share(around: Scene) -> float:
+    cut = around.window
+    return share_of_tested(int(np.isfinite(cut.own[:, 0]).sum()), len(cut.span), cut.rate)
 
 
 def outcome(problem: Problem, around: Scene, found: Blend | None) -> Outcome:
-    """Say what was found, or what is done where no mix could be tested."""
+    """Say what was found, or what is done where no mix could be tested well enough."""
     _check(around)
-    if found is not None:
+    cut = around.window
+    seen = int(np.isfinite(cut.own[:, 0]).sum())
+    share = _share(around)
+    if found is not None and (share == 1.0 or not len(around.order)):
         return Outcome(found.values, found.band(), found.expected_mm, _note(around, found))
-    reason = f"no other stretch of {len(problem.span)} frames is whole, so nothing could be tested"
-    if len(around.order) >= problem.n_dims and around.rows.sum() >= LEAST_ROWS:
-        return Outcome(regress_and_krige(around), note=f"Settings known to be good: {reason}.")
-    return Outcome(between_edges(around), note=f"Its own motion carries it across: {reason}.")
+    if not cut.seen[cut.span.frames].any():
+        return Outcome(between_edges(around), note="Its own motion carries it across the gap.")
+    filled = short(cut)
+    values = filled.values
+    note = f"Only {seen} frames of it are seen: all gaps near here are filled at once"
+    if found is None or share == 0.0:
+        return Outcome(values, note=f"{note}.")
+    values = share * found.values + (1 - share) * values
+    return Outcome(values, note=f"{note}, which counts {1 - share:.0%} beside a tested mix.")
 
 
 def _check(around: Scene) -> None:

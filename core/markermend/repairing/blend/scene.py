@@ -155,7 +155,7 @@ def _bridged(cut: Window) -> tuple[FloatArray, BoolArray]:
             longest = TINY_DROPOUT_S if gap.overlaps(hull) else SHORT_DROPOUT_S
             if len(gap) <= longest * cut.rate and gap.start > 0 and gap.stop < cut.n_frames:
                 near = known[(known >= gap.start - 3) & (known < gap.stop + 3)]
-                weights = hermite(np.arange(gap.start, gap.stop) * 1.0, near * 1.0)
+                weights = hermite(np.arange(gap.start, gap.stop, dtype=float), near.astype(float))
                 positions[gap.frames, m] = weights @ cut.positions[near, m]
                 seen[gap.frames, m] = True
     return positions, seen

@@ -1,0 +1,204 @@
+"""Fill all gaps of a short window at once: a matrix normal model of time and markers (SHORT).
+
+With little to learn from, every sample counts: also those of markers that have gaps themselves.
+The positions X (frames × markers, for each axis) are taken as one draw from a normal distribution
+whose covariance is K ⊗ C: K over time is known up to its nugget, C over markers is learnt by
+expectation and maximisation.  The axes share the weights between markers, so that the model turns
+with the room.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
+from scipy.linalg.lapack import dpotri
+
+from markermend.model import FloatArray
+from markermend.repairing.kriging import matern52
+
+LENGTH_S = 0.3
+NUGGETS = tuple(10.0 ** np.arange(-8.0, -3.4, 0.5))
+STEPS = 5
+SHRINKAGE = 0.05
+REACH_MM = 300.0
+FLOOR = 0.02
+MEMBERS = ((10.0, 0.4), (1000.0, 0.6))
+NUGGET_BOUNDS = (1e-7, 1e-3)
+
+
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """What a window's missing samples are, given its seen ones.
+
+    Attributes
+    ----------
+    filled
+        (n_frames, n_markers, n_dims) mm.
+    missing
+        (n_missing, 2): frame and marker of each missing sample.
+    precision
+        (n_missing, n_missing) 1/mm²: of the missing samples on one axis.
+    """
+
+    filled: FloatArray
+    missing: NDArray[np.intp]
+    precision: FloatArray
+
+
+def prefilled(positions: FloatArray) -> FloatArray:
+    """Bridge all gaps by monotone cubics, and hold the first and last seen positions."""
+    filled = positions.copy()
+    frames = np.arange(len(positions))
+    seen = np.isfinite(positions[:, :, 0])
+    for m in np.flatnonzero(~seen.all(axis=0)):
+        known = np.flatnonzero(seen[:, m])
+        if len(known) < 2:
+            filled[:, m] = positions[known[0], m] if len(known) else 0.0
+            continue
+        inside = np.clip(frames, known[0], known[-1])
+        filled[:, m] = PchipInterpolator(known, positions[known, m])(inside)
+    return filled
+
+
+def nugget_by_evidence(series: FloatArray, rate: float) -> float:
+    """Choose the share of white noise under which complete series are most probable.
+
+    Parameters
+    ----------
+    series
+        (n_frames, n_series) mm, without gaps.
+    rate
+        Hz.
+    """
+    n = len(series)
+    lag = (np.arange(n)[:, None] - np.arange(n)) / (rate * LENGTH_S)
+    kernel = matern52(lag)
+    centred = series - series.mean(axis=0)
+    evidence = []
+    for nugget in NUGGETS:
+        factor = cholesky(kernel + nugget * np.eye(n), lower=True)
+        white = solve_triangular(factor, centred, lower=True)
+        power = np.square(white).mean(axis=0) + 1e-12
+        evidence.append(
+            -0.5 * n * np.log(power).sum() - series.shape[1] * np.log(np.diag(factor)).sum()
+        )
+    return NUGGETS[int(np.argmax(evidence))]
+
+
+def matrix_normal(
+    positions: FloatArray, start: FloatArray, rate: float, nugget: float
+) -> Posterior:
+    """Fill all gaps by expectation and maximisation.
+
+    Parameters
+    ----------
+    positions
+        (n_frames, n_markers, n_dims) mm, NaN where missing, about a common centre.
+    start
+        The same, prefilled.
+    rate
+        Hz.
+    nugget
+        Share of white noise in time.
+    """
+    n_frames, n_markers, n_dims = positions.shape
+    lag = (np.arange(n_frames)[:, None] - np.arange(n_frames)) / (rate * LENGTH_S)
+    over_time = cho_solve(
+        cho_factor(matern52(lag) + nugget * np.eye(n_frames), lower=True), np.eye(n_frames)
+    )
+    missing = np.argwhere(~np.isfinite(positions[:, :, 0]).T)[:, ::-1]
+    t, m = missing[:, 0], missing[:, 1]
+    member = np.zeros((len(missing), n_markers))
+    member[np.arange(len(missing)), m] = 1.0
+    time_part = over_time[np.ix_(t, t)]
+    filled = start.copy()
+    near = _nearness(filled)
+    uncertain = np.zeros((n_markers, n_markers))
+    precision = np.zeros((len(missing), len(missing)))
+    for _ in range(STEPS):
+        scatter = sum(filled[:, :, d].T @ over_time @ filled[:, :, d] for d in range(n_dims))
+        covariance = (scatter + n_dims * uncertain) / (n_dims * n_frames)
+        spread = np.sqrt(np.diag(covariance)) + 1e-3
+        covariance = (1 - SHRINKAGE) * covariance + SHRINKAGE * np.outer(spread, spread) * near
+        weights = cho_solve(cho_factor(covariance, lower=True), np.eye(n_markers))
+        precision = weights[np.ix_(m, m)] * time_part
+        factor = cho_factor(precision, lower=True)
+        pull = np.stack(
+            [(over_time @ filled[:, :, d] @ weights)[t, m] for d in range(n_dims)], axis=1
+        )
+        filled[t, m] -= cho_solve(factor, pull)
+        posterior = _inverse(factor[0])
+        uncertain = member.T @ (posterior * time_part) @ member
+    return Posterior(filled, missing, precision)
+
+
+def _inverse(lower: FloatArray) -> FloatArray:
+    """Invert a matrix of which the lower Cholesky factor is given."""
+    half, _ = dpotri(lower, lower=1)
+    return np.asarray(np.tril(half) + np.tril(half, -1).T)
+
+
+def _nearness(filled: FloatArray) -> FloatArray:
+    between = np.linalg.norm(filled[:, :, None] - filled[:, None], axis=3).mean(axis=0)
+    values, vectors = np.linalg.eigh(np.exp(-np.square(between) / (2 * REACH_MM**2)))
+    near = (vectors * np.maximum(values, 0.0)) @ vectors.T
+    return np.asarray(near + FLOOR * np.eye(len(near)))
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """A window whose gaps are all filled, and how sure that is.
+
+    Attributes
+    ----------
+    filled
+        (n_frames, n_markers, n_dims) mm.
+    deviation
+        (n_frames, n_markers) mm: standard deviation of the distance to the truth under the model;
+        0 where a marker is seen.
+    """
+
+    filled: FloatArray
+    deviation: FloatArray
+
+
+def fill_at_once(positions: FloatArray, rate: float) -> Estimate:
+    """Fill all gaps of a window by two matrix normal models of different nuggets.
+
+    The last few windows are remembered, since every gap of a window asks for the same.
+
+    Parameters
+    ----------
+    positions
+        (n_frames, n_markers, n_dims) mm, NaN where missing.
+    rate
+        Hz.
+    """
+    return _fill_at_once(np.ascontiguousarray(positions).tobytes(), positions.shape, rate)
+
+
+@lru_cache(maxsize=4)
+def _fill_at_once(content: bytes, shape: tuple[int, ...], rate: float) -> Estimate:
+    positions = np.frombuffer(content).reshape(shape)
+    complete = np.flatnonzero(np.isfinite(positions[:, :, 0]).all(axis=0))
+    chosen = complete if len(complete) else np.arange(positions.shape[1])
+    start = prefilled(positions)
+    centre = start[:, chosen].mean(axis=1)[:, None]
+    known = (start - centre)[:, chosen]
+    nugget = nugget_by_evidence(known.reshape(len(known), -1), rate)
+    filled = np.zeros_like(start)
+    variance = np.zeros(start.shape[:2])
+    for factor, weight in MEMBERS:
+        used = float(np.clip(nugget * factor, *NUGGET_BOUNDS))
+        found = matrix_normal(positions - centre, start - centre, rate, used)
+        filled += weight * found.filled
+        own = np.diag(_inverse(cho_factor(found.precision, lower=True)[0]))
+        variance[tuple(found.missing.T)] += weight * positions.shape[2] * own
+    filled += centre
+    deviation = np.sqrt(variance)
+    for array in (filled, deviation):
+        array.flags.writeable = False
+    return Estimate(filled, deviation)
