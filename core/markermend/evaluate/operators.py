@@ -34,6 +34,7 @@ class Operator:
         Stretches per minute that are repaired though nothing is wrong with them.
     method
         The repair used for everything; a poor choice makes new errors, as in the paper's beginners.
+        Empty for one who brings back what was there before the artefact.
     """
 
     name: str
@@ -43,8 +44,8 @@ class Operator:
 
 
 OPERATORS = (
-    Operator("expert", 0.98, 0.0, "rigid"),
-    Operator("intermediate", 0.9, 0.5, "rigid"),
+    Operator("expert", 0.98, 0.0, ""),
+    Operator("intermediate", 0.9, 0.5, ""),
     Operator("beginner 1", 0.5, 4.0, "linear"),
     Operator("beginner 2", 0.5, 6.0, "linear"),
 )
@@ -227,7 +228,8 @@ def e2(
         raise BadInput(f"simulations must be at least 1; got {simulations}.")
     DETECTORS.get(detector)
     for operator in operators:
-        REPAIRS.get(operator.method)
+        if operator.method:
+            REPAIRS.get(operator.method)
     tasks = [
         _Task(
             take,
@@ -256,12 +258,24 @@ def _simulate(task: _Task) -> list[tuple[int, int, int, int, int]]:
     for place, operator in enumerate((None, *task.operators)):
         rng = np.random.default_rng((task.seed, place))
         edits = [] if operator is None else _edits(operator, raw, truths, rng)
-        version = apply(raw, repair_all(raw, edits)[0])
+        version = _edited(raw, task.take, edits)
         found = detect(version, task.detector, kinds=KINDS, **task.parameters)
         verdicts = judge(version, task.take, found, task.tolerance_mm)
         human = len(truths) if operator is None else len(edits)
         rows.append((human, len(found), verdicts.approved, verdicts.rejected, verdicts.missed))
     return rows
+
+
+def _edited(raw: Take, reference: Take, edits: Sequence[Wish]) -> Take:
+    version = apply(raw, repair_all(raw, [edit for edit in edits if edit.method])[0])
+    restored = [edit for edit in edits if not edit.method]
+    if not restored:
+        return version
+    positions = version.positions.copy()
+    for edit in restored:
+        marker = raw.index(edit.marker)
+        positions[edit.span.frames, marker] = reference.positions[edit.span.frames, marker]
+    return version.with_positions(positions)
 
 
 def _edits(

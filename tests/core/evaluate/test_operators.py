@@ -10,13 +10,13 @@ from markermend.errors import BadInput, UnknownName
 from markermend.evaluate.operators import Operator, Verdicts, e2, judge
 from markermend.model import Finding, Span, Take
 
-PERFECT = Operator("perfect", 1.0, 0.0, "rigid")
+PERFECT = Operator("perfect", 1.0, 0.0, "")
 IDLE = Operator("idle", 0.0, 0.0, "linear")
 HARMFUL = Operator("harmful", 0.0, 40.0, "linear")
 
 
 def body(n_frames=500):
-    """Six markers of one rigid body, so that a rigid repair is exact."""
+    """Six markers of one rigid body."""
     rng = np.random.default_rng(0)
     t = np.arange(n_frames)[:, None, None] / 100.0
     base = 200 * np.sin(t * np.array([2.1, 1.7, 2.4]))
@@ -56,7 +56,7 @@ def test_skill_shows_in_the_rows(comparison):
     assert [row.operator for row in comparison.rows] == ["none", "perfect", "idle", "harmful"]
     assert replace(idle, operator="none", human=none.human) == none
     assert idle.human == 0
-    # Nothing is left of what was repaired exactly, so nothing can be approved or missed.
+    # Nothing is left of what was brought back, so nothing can be approved or missed.
     assert perfect.human == none.human
     assert (perfect.approved, perfect.missed) == (0, 0)
     assert none.approved > 0
