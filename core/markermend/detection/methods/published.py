@@ -105,7 +105,8 @@ def published(
     the frames above half its height.  Within the width of the Savitzky-Golay filter only the
     largest step counts, since the filter echoes it.  T_L is a multiple of the residual's deviation
     like T_U.  The printed thresholds fire everywhere, because every coordinate exceeds three
-    deviations somewhere; the defaults are tuned.
+    deviations somewhere (as printed, 370 to 1,360 findings a minute on four takes of people who
+    stand or lift, and no peak or noise at all); the defaults are tuned.
     """
     if as_printed:
         peak_k, noise_k, step_k, slow_k, slow_top, slow_length = 3.0, 2.0, 3.0, 3.0, 20, 50
