@@ -113,7 +113,7 @@ def reconstruct(
     keep = max(_needed(size, settings.cumulative), _needed(zeroed_size, settings.cumulative))
     basis, zeroed = basis[:, :keep], zeroed[:, :keep]
     given = np.where(void, 0.0, (gapped.reshape(len(gapped), -1) - mean) * scale)
-    between = zeroed.T @ basis
+    between = basis.T @ zeroed
     filled = given @ zeroed @ between @ basis.T
     safe = np.where(scale > 0, scale, 1.0)
     return np.asarray((mean + filled / safe).reshape(gapped.shape))

@@ -108,7 +108,9 @@ def _density(samples: FloatArray, at: FloatArray) -> FloatArray:
 
 
 def _some(n: int, enough: int) -> NDArray[np.intp]:
-    """Choose about `enough` of n frames, evenly."""
+    """Choose `enough` of n frames evenly, or every second, third ... of very many."""
+    if n >= 2 * enough:
+        return np.arange(0, n, n // enough)
     return np.unique(np.linspace(0, n - 1, min(n, enough)).round().astype(np.intp))
 
 

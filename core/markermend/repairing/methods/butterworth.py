@@ -43,11 +43,9 @@ def butterworth(
     """
     span, rate = problem.span, problem.rate
     label = problem.labels[problem.marker]
-    # Running twice halves the power at the cut-off once more; Winter's correction undoes that.
-    single = cutoff / (2.0**0.5 - 1.0) ** (0.5 / order)
-    if single >= 0.5 * rate:
+    if cutoff >= 0.5 * rate:
         raise CannotRepair(
-            f"A cut-off of {cutoff:g} Hz needs more than the {rate:g} Hz of this take; choose a "
+            f"A cut-off of {cutoff:g} Hz needs more than twice that and not the {rate:g} Hz of this take; choose a "
             "lower one."
         )
     reach = span.padded(round(3.0 * rate / cutoff), problem.n_frames)
@@ -65,6 +63,10 @@ def butterworth(
             f"Only {stop - start} frames of {label} are seen in one piece here; choose a lower "
             "order or another method."
         )
+    # Running twice halves the power at the cut-off once more; Winter's correction undoes that, on
+    # the axis of frequencies as the bilinear transform bends it.
+    bent = np.tan(np.pi * cutoff / rate) / (2.0**0.5 - 1.0) ** (0.5 / order)
+    single = rate / np.pi * np.arctan(bent)
     sos = butter(order, single, fs=rate, output="sos")
     length = min(3 * (2 * order + 1) * 4, stop - start - 1)
     smooth = sosfiltfilt(sos, values[start:stop], axis=0, padlen=length)

@@ -20,7 +20,7 @@ def pca_r1(
     *,
     sigma: Annotated[float, Within(20, 2000, "mm")] = 200.0,
     own_weight: Annotated[float, Within(0.001, 1)] = 0.02,
-    cumulative: Annotated[float, Within(0.5, 1)] = 0.99,
+    cumulative: Annotated[float, Within(0.5, 0.9999)] = 0.99,
 ) -> FloatArray:
     """Predict all markers with gaps at once from those without any.
 

@@ -21,7 +21,7 @@ def wpca(
     sigma: Annotated[float, Within(20, 2000, "mm")] = 200.0,
     own_weight: Annotated[float, Within(0.001, 1)] = 0.02,
     reach: Annotated[float, Within(0, 2)] = 0.5,
-    cumulative: Annotated[float, Within(0.5, 1)] = 0.99,
+    cumulative: Annotated[float, Within(0.5, 0.9999)] = 0.99,
 ) -> FloatArray:
     """Predict the marker from how all others have moved together with it.
 
