@@ -15,11 +15,11 @@ REPAIRS = Registry("repair method", "markermend.repairing.methods", "markermend.
 
 # What is tried, in this order, where no method is named.
 DEFAULTS: Mapping[Kind, tuple[str, ...]] = {
-    "gap": ("rigid", "pchip"),
-    "peak": ("pchip", "rigid"),
-    "noise": ("rigid", "pchip"),
-    "step": ("rigid", "pchip"),
-    "slow": ("rigid", "pchip"),
+    "gap": ("auto", "rigid", "pchip"),
+    "peak": ("auto", "pchip", "rigid"),
+    "noise": ("auto", "butterworth", "rigid", "pchip"),
+    "step": ("unstep", "auto", "rigid", "pchip"),
+    "slow": ("unslow", "auto", "rigid", "pchip"),
 }
 
 
@@ -125,7 +125,7 @@ def fill(
     take
         A take with gaps.
     method
-        Name of a registered repair; by default ``rigid``, else ``pchip``.
+        Name of a registered repair; by default ``auto``, else ``rigid`` or ``pchip``.
     training, **parameters
         As in `repair`.
     """
