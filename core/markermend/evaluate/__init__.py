@@ -3,7 +3,8 @@
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from markermend.evaluate.contamination import Truth, contaminate
+from markermend.evaluate.contamination import contaminate
+from markermend.truth import Truth
 
 # The experiments start processes and learn regressors: imported when first used.
 _HOME = {"e1": "classification", "e2": "operators", "predictors": "prediction"}

@@ -1,14 +1,14 @@
 """Put artefacts of known place, kind and size into a take."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from markermend.errors import BadInput, UnknownName
 from markermend.model import AXES, BoolArray, FloatArray, Kind, Span, Take
+from markermend.truth import Truth
 
 MEAN_LENGTH = 50
 """Frames at 100 Hz that a bulk artefact lasts on average."""
@@ -16,42 +16,6 @@ SPREAD = 0.4
 """Standard deviation of the amplitude, as a share of its mean."""
 
 BULK: tuple[Kind, ...] = ("noise", "step", "slow")
-
-
-@dataclass(frozen=True)
-class Truth:
-    """One artefact that was put in.
-
-    Attributes
-    ----------
-    marker, span, kind
-        Where, and what.
-    amplitude
-        Height in mm on each of the axes; for heavy noise the standard deviation.
-    axes
-        Names of the axes it is on.
-    sign
-        +1 or -1.
-    """
-
-    marker: str
-    span: Span
-    kind: Kind
-    amplitude: float
-    axes: tuple[str, ...]
-    sign: int
-
-    def to_json(self) -> dict[str, Any]:
-        """Give it as one record of a log."""
-        return {
-            "marker": self.marker,
-            "start": self.span.start,
-            "stop": self.span.stop,
-            "kind": self.kind,
-            "amplitude": self.amplitude,
-            "axes": list(self.axes),
-            "sign": self.sign,
-        }
 
 
 def contaminate(
@@ -127,7 +91,7 @@ def contaminate(
         for a in chosen:
             positions[span.frames, index, a] += sign * abs(amplitude) * _shape(kind, span, rng)
         names = tuple(AXES[a] for a in chosen)
-        truths.append(Truth(take.labels[index], span, kind, abs(amplitude), names, sign))
+        truths.append(Truth(take.labels[index], span, kind, abs(amplitude), names, sign=sign))
     return take.with_positions(positions), tuple(sorted(truths, key=lambda truth: truth.span))
 
 

@@ -9,11 +9,12 @@ import numpy as np
 from markermend.detection import DETECTORS, detect
 from markermend.detection.run import DEFAULT
 from markermend.errors import BadInput
-from markermend.evaluate.contamination import MEAN_LENGTH, Truth, contaminate
+from markermend.evaluate.contamination import MEAN_LENGTH, contaminate
 from markermend.evaluate.parallel import in_order
 from markermend.evaluate.scores import CLASSES
 from markermend.model import BoolArray, Finding, Span, Take, runs
 from markermend.repairing.run import REPAIRS, Wish, apply, repair_all
+from markermend.truth import Truth
 
 KINDS = CLASSES[1:]
 # Remaining deviations closer to each other than this many frames at 100 Hz are one error.

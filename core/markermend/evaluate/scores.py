@@ -2,19 +2,17 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from markermend.evaluate.contamination import Truth
-from markermend.model import Finding, FloatArray, Span, Take
+from markermend.evaluate.matching import IOU, Placed, pairs
+from markermend.model import Finding, FloatArray, Kind, Span, Take
+from markermend.truth import Truth
 
 CLASSES = ("clear", "peak", "noise", "step", "slow")
 """Rows (truth) and columns (findings) of a confusion matrix."""
-
-IOU = 0.5
-"""Overlap from which a span counts as found."""
 
 
 def confusion(
@@ -29,15 +27,37 @@ def confusion(
     -------
     (5, 5): truth by finding, in the order of `CLASSES`.
     """
+    true, called = (classes_of(take, items) for items in (truths, findings))
+    return cross_table(true, called)
+
+
+class Called(Placed, Protocol):
+    """A span that is said to be of a kind: a finding, a truth."""
+
+    @property
+    def kind(self) -> Kind:
+        """What it is."""
+
+
+def classes_of(take: Take, items: Iterable[Called]) -> NDArray[np.intp]:
+    """Give the class of every sample of the measured markers, by the rules of `confusion`.
+
+    Returns
+    -------
+    (n_frames, n_measured) indices into `CLASSES`.
+    """
     place = {take.labels[m]: i for i, m in enumerate(take.measured)}
-    true = np.zeros((take.n_frames, len(place)), np.intp)
-    called = np.zeros_like(true)
-    for table, items in ((true, truths), (called, findings)):
-        known = [item for item in items if item.kind in CLASSES]
-        for item in sorted(known, key=lambda item: -CLASSES.index(item.kind)):
-            table[item.span.frames, place[item.marker]] = CLASSES.index(item.kind)
+    table = np.zeros((take.n_frames, len(place)), np.intp)
+    known = [item for item in items if item.kind in CLASSES]
+    for item in sorted(known, key=lambda item: -CLASSES.index(item.kind)):
+        table[item.span.frames, place[item.marker]] = CLASSES.index(item.kind)
+    return table
+
+
+def cross_table(one: NDArray[np.intp], other: NDArray[np.intp]) -> NDArray[np.int64]:
+    """Count the samples by class in one table and class in another of the same shape."""
     n = len(CLASSES)
-    return np.bincount((true * n + called).ravel(), minlength=n * n).reshape(n, n)
+    return np.bincount((one * n + other).ravel(), minlength=n * n).reshape(n, n)
 
 
 @dataclass(frozen=True)
@@ -130,18 +150,7 @@ def match(truths: Sequence[Truth], findings: Sequence[Finding]) -> Mapping[str, 
     for kind in CLASSES[1:]:
         wanted = [truth for truth in truths if truth.kind == kind]
         called = [finding for finding in findings if finding.kind == kind]
-        pairs = sorted(
-            (
-                (-finding.span.iou(truth.span), i, j)
-                for i, truth in enumerate(wanted)
-                for j, finding in enumerate(called)
-                if finding.marker == truth.marker and finding.span.overlaps(truth.span)
-            ),
-        )
-        hits: dict[int, int] = {}
-        for overlap, i, j in pairs:
-            if -overlap >= IOU and i not in hits and j not in hits.values():
-                hits[i] = j
+        hits = pairs(wanted, called, IOU)
         false = sum(
             not any(finding.span.overlaps(span) for span in places.get(finding.marker, ()))
             for finding in called

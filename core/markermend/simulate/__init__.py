@@ -1,6 +1,6 @@
 """Takes of a simulated person: for the demonstration, for experiments and for tests."""
 
-from markermend.simulate.artefacts import Truth, distort
+from markermend.simulate.artefacts import distort
 from markermend.simulate.demonstration import (
     DEMO_FILES,
     DEMO_SEED,
@@ -10,6 +10,7 @@ from markermend.simulate.demonstration import (
 )
 from markermend.simulate.scenarios import SCENARIOS
 from markermend.simulate.take import perform, simulate
+from markermend.truth import Truth
 
 __all__ = [
     "DEMO_FILES",

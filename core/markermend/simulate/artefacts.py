@@ -6,63 +6,12 @@ change.
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
 
 import numpy as np
 
 from markermend.errors import BadInput
-from markermend.model import AXES, FloatArray, Kind, Span, Take
-
-
-@dataclass(frozen=True)
-class Truth:
-    """One artefact that was put in.
-
-    Attributes
-    ----------
-    marker
-        Label of the marker.
-    span, kind
-        Where, and what.
-    amplitude
-        Height of a peak, step or slow change as a distance in space, standard deviation of heavy
-        noise per axis, distance of both markers of a swap where it
-        begins; in mm. None for a gap.
-    axes
-        Names of the axes that are distorted, by equal shares.
-    partner
-        For a label swap, the label of the other marker, which has a record of its own.
-    """
-
-    marker: str
-    span: Span
-    kind: Kind
-    amplitude: float | None = None
-    axes: tuple[str, ...] = AXES
-    partner: str | None = None
-
-    def to_json(self) -> dict[str, Any]:
-        """Give it as a record of plain values, with ``start`` and ``stop`` for the span."""
-        record = asdict(self)
-        del record["span"]
-        return record | {
-            "start": self.span.start,
-            "stop": self.span.stop,
-            "axes": list(self.axes),
-        }
-
-    @classmethod
-    def from_json(cls, record: dict[str, Any]) -> "Truth":
-        """Read it back."""
-        return cls(
-            marker=record["marker"],
-            span=Span(record["start"], record["stop"]),
-            kind=record["kind"],
-            amplitude=record["amplitude"],
-            axes=tuple(record["axes"]),
-            partner=record["partner"],
-        )
+from markermend.model import AXES, FloatArray, Kind, Take
+from markermend.truth import Truth
 
 
 def distort(

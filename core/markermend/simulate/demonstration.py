@@ -10,8 +10,9 @@ from markermend.errors import CannotWrite
 from markermend.io import write
 from markermend.io.disk import write_whole
 from markermend.model import AXES, Kind, Span, Take
-from markermend.simulate.artefacts import Truth, distort
+from markermend.simulate.artefacts import distort
 from markermend.simulate.take import simulate
+from markermend.truth import Truth
 
 DEMO_SEED = 0
 """The seed of the take that is shipped."""

@@ -21,7 +21,7 @@ TAKE = Take(np.zeros((100, 2, 3)), 100.0, ["a", "b"])
 
 
 def truth(marker, start, stop, kind):
-    return Truth(marker, Span(start, stop), kind, 10.0, ("x",), 1)
+    return Truth(marker, Span(start, stop), kind, 10.0, ("x",), sign=1)
 
 
 def finding(marker, start, stop, kind):
