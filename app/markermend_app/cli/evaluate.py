@@ -33,6 +33,18 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     e2.add_argument("--share", type=float, default=0.02, metavar="S")
     _simulations(e2, 10)
 
+    e3 = experiments.add_parser(
+        "e3", help="how much of an artefact repairs remove, with perfect and detected spans"
+    )
+    take_argument(e3)
+    _detectors(e3)
+    e3.add_argument(
+        "--methods", type=_words, default=(), metavar="A,B", help="default: by kind too"
+    )
+    e3.add_argument("--amplitude", type=float, default=10.0, metavar="MM")
+    e3.add_argument("--share", type=_numbers, default=(0.05, 0.1, 0.2), metavar="S,S")
+    _simulations(e3, 20)
+
     predictors = experiments.add_parser(
         "predictors", help="how well markers are predicted from their neighbours, and by what"
     )
@@ -119,6 +131,25 @@ def _e2(options: argparse.Namespace) -> None:
     _write(options.json, {"version": 1, "experiment": "e2", "detectors": records})
 
 
+def _e3(options: argparse.Namespace) -> None:
+    from markermend.evaluate.reconstruction import METHODS, e3
+
+    methods = tuple("" if name == "default" else name for name in options.methods) or METHODS
+    result = e3(
+        read(options.take, options),
+        methods=methods,
+        shares=options.share,
+        amplitude_mm=options.amplitude,
+        detector=options.detector[0],
+        simulations=options.simulations,
+        jobs=options.jobs,
+        seed=options.seed,
+        progress=_progress("Simulating"),
+    )
+    _print(*result.table())
+    _write(options.json, result.to_json())
+
+
 def _predictors(options: argparse.Namespace) -> None:
     from markermend.evaluate import predictors
     from markermend.evaluate.prediction import TABLES
@@ -181,6 +212,7 @@ def _masks(options: argparse.Namespace) -> None:
 RUNS: dict[str, Callable[[argparse.Namespace], None]] = {
     "e1": _e1,
     "e2": _e2,
+    "e3": _e3,
     "predictors": _predictors,
     "masks": _masks,
 }

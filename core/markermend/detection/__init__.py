@@ -1,5 +1,5 @@
 """Detectors: one a file in ``methods``, and the functions that run them."""
 
-from markermend.detection.run import DEFAULT, DETECTORS, detect, gaps, scan
+from markermend.detection.run import DEFAULT, DETECTORS, detect, gaps, overlapping, scan
 
-__all__ = ["DEFAULT", "DETECTORS", "detect", "gaps", "scan"]
+__all__ = ["DEFAULT", "DETECTORS", "detect", "gaps", "overlapping", "scan"]

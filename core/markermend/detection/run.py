@@ -83,6 +83,19 @@ def gaps(take: Take) -> tuple[Finding, ...]:
     )
 
 
+def overlapping(findings: Iterable[Finding]) -> list[list[Finding]]:
+    """Group findings of one marker whose spans overlap: two repairs cannot write one sample."""
+    groups: list[list[Finding]] = []
+    for finding in sorted(findings, key=lambda f: (f.marker, f.span)):
+        last = groups[-1] if groups else []
+        reach = max((other.span.stop for other in last), default=0)
+        if last and last[0].marker == finding.marker and reach > finding.span.start:
+            last.append(finding)
+        else:
+            groups.append([finding])
+    return groups
+
+
 def _kinds(kinds: Iterable[str] | None) -> tuple[Kind, ...]:
     if kinds is None:
         return KINDS

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
 
+from markermend.detection import overlapping
 from markermend.io import Written, export
 from markermend.io.disk import refuse_existing
 from markermend.model import Finding, Kind, Span, Take
@@ -115,29 +116,18 @@ def accepted_all(findings: Iterable[Finding], method: str = "") -> Review:
     method
         Name of the repair, or empty for the default of each kind.
     """
-    merged: list[list[Finding]] = []
-    for finding in sorted(findings, key=lambda f: (f.marker, f.span)):
-        last = merged[-1] if merged else []
-        if last and last[0].marker == finding.marker and _stop(last) > finding.span.start:
-            last.append(finding)
-        else:
-            merged.append([finding])
     decision = Decision("accepted", method=method)
     judgements = [
         _joined(group, decision) if len(group) > 1 else Judgement(group[0], decision)
-        for group in merged
+        for group in overlapping(findings)
     ]
     return Review({judgement.finding.id: judgement for judgement in judgements})
-
-
-def _stop(group: Sequence[Finding]) -> int:
-    return max(finding.span.stop for finding in group)
 
 
 def _joined(group: Sequence[Finding], decision: Decision) -> Judgement:
     longest = max(group, key=lambda finding: len(finding.span))
     kind: Kind = longest.kind
-    span = Span(min(f.span.start for f in group), _stop(group))
+    span = Span(min(f.span.start for f in group), max(f.span.stop for f in group))
     axes = sorted(set(chain.from_iterable(f.axes for f in group)))
     sizes = [f.amplitude for f in group if f.amplitude is not None]
     finding = Finding(

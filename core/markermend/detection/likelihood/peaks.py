@@ -64,9 +64,7 @@ def witness(whitened: Whitened, valid: BoolArray) -> Witness:
         N[k, :, : N.shape[2] - k] = templates.boxes(total, k + 1)
     N[LONGEST] = templates.jumps(total, _JUMP_HALF)
     q = np.array([whitened.energy(shape) for shape in shapes])
-    usual = np.array(
-        [local_scale(templates.score(a, b), valid) for a, b in zip(N, q, strict=True)]
-    )
+    usual = np.array([local_scale(templates.score(a, b), valid) for a, b in zip(N, q, strict=True)])
     kernel = fft.irfft(whitened.weight, whitened.size)
     wide = _REACH + 2 * _JUMP_HALF
     kernel = np.concatenate((kernel[:, -wide:], kernel[:, : wide + 1]), axis=1)
@@ -151,7 +149,14 @@ def _of_marker(
         if value <= LEAST * threshold:
             break
         around = slice(max(0, t - _NEAR_JUMP), t + k + 1 + _NEAR_JUMP)
-        if now[LONGEST, around].max() > value:
+        jump, box = (
+            sum(
+                _raw(N[j, :, part], w.q[j, rows]) ** 2
+                for N, w in zip(left, witnesses, strict=True)
+            ).max()
+            for j, part in ((LONGEST, around), (k, slice(t, t + 1)))
+        )
+        if jump > box:
             open_to[:, around] = 0.0  # a jump explains it better
             continue
         low, high = max(0, t - _REACH), min(n, t + _REACH + 1)
@@ -172,3 +177,9 @@ def _of_marker(
         if strength >= LEAST:
             peaks.append(Peak(Candidate("peak", marker, t, t + length, strength, value), sizes_of))
     return peaks
+
+
+def _raw(N: FloatArray, q: FloatArray) -> FloatArray:
+    """Score of one marker in units of the noise model: (n,) from (3, n)."""
+    result: FloatArray = np.sqrt((N * N / q[:, None]).sum(0))
+    return result

@@ -271,9 +271,7 @@ class _Grams:
         return out
 
 
-def _shares(
-    bounds: NDArray[np.intp], start: int, stop: int
-) -> list[tuple[int, FloatArray]]:
+def _shares(bounds: NDArray[np.intp], start: int, stop: int) -> list[tuple[int, FloatArray]]:
     """How much each fold counts in frames start to stop; shares of a frame add up to 1."""
     t = np.arange(start, stop)
     last = len(bounds) - 2

@@ -7,7 +7,13 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from markermend.detection.likelihood import templates
-from markermend.detection.likelihood.sharp import LEAST, MATE_SHARE, Candidate, local_scale, mates_of
+from markermend.detection.likelihood.sharp import (
+    LEAST,
+    MATE_SHARE,
+    Candidate,
+    local_scale,
+    mates_of,
+)
 from markermend.detection.likelihood.whitening import Whitened
 from markermend.model import BoolArray, FloatArray
 

@@ -77,7 +77,7 @@ def scan_window(recorded: FloatArray, settings: Settings) -> Scan:
     dense = interpolated(recorded, seen)
     swaps = find_swaps(dense, seen)
     dense = undone(dense, swaps)
-    n, n_markers, _ = dense.shape
+    n_markers = dense.shape[1]
     neighbours = steadiest(dense, seen, MOST_NEIGHBOURS)
     alone = n_markers < FEWEST
 
@@ -86,7 +86,7 @@ def scan_window(recorded: FloatArray, settings: Settings) -> Scan:
             predictions[m] = predict_marker(positions, good, m, neighbours[m])
 
     predictions: dict[int, Prediction] = {}
-    valid = ~binary_dilation(~seen.T, np.ones((1, 3)))  # a gap's neighbours in time are no witness
+    valid = ~binary_dilation(~seen.T, _widened(3))  # a gap's neighbours in time are no witness
     gappy = np.flatnonzero(~seen.all(0))
     if not alone:
         # Gaps first: their linear stopgap is replaced by what the neighbours say.
@@ -118,8 +118,8 @@ def scan_window(recorded: FloatArray, settings: Settings) -> Scan:
     own_jumps = steps.jumps(whiten(_series(path), settings.floor, 2), free)
     their_jumps = steps.jumps(whiten(_series(calm), settings.floor, order), free)
     # No edge beside a gap or a peak: a level that was bridged there is no witness either.
-    edge_free = free & ~binary_dilation(~seen.T, np.ones((1, 7)))
-    edge_free &= ~binary_dilation(flagged, np.ones((1, 3)))
+    edge_free = free & ~binary_dilation(~seen.T, _widened(7))
+    edge_free &= ~binary_dilation(flagged, _widened(3))
     stepped = steps.find_steps(own_jumps, their_jumps, neighbours, edge_free, settings.step)
     found += stepped
     raw = residual if alone else _lab(predictions, residual)
@@ -147,6 +147,10 @@ def scan_window(recorded: FloatArray, settings: Settings) -> Scan:
         found += _slow(calm, clean, predictions, neighbours, good.T, settings)
         final = _lab(predictions, calm)
     return Scan(found, swaps, raw, final, predicted)
+
+
+def _widened(frames: int) -> BoolArray:
+    return np.ones((1, frames), bool)
 
 
 def _series(vectors: FloatArray) -> FloatArray:
