@@ -7,11 +7,9 @@ expectation and maximisation.  The axes share the weights between markers, so th
 with the room.
 """
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
 from scipy.linalg.lapack import dpotri
@@ -27,25 +25,6 @@ REACH_MM = 300.0
 FLOOR = 0.02
 MEMBERS = ((10.0, 0.4), (1000.0, 0.6))
 NUGGET_BOUNDS = (1e-7, 1e-3)
-
-
-@dataclass(frozen=True, eq=False)
-class Posterior:
-    """What a window's missing samples are, given its seen ones.
-
-    Attributes
-    ----------
-    filled
-        (n_frames, n_markers, n_dims) mm.
-    missing
-        (n_missing, 2): frame and marker of each missing sample.
-    precision
-        (n_missing, n_missing) 1/mm²: of the missing samples on one axis.
-    """
-
-    filled: FloatArray
-    missing: NDArray[np.intp]
-    precision: FloatArray
 
 
 def prefilled(positions: FloatArray) -> FloatArray:
@@ -85,12 +64,12 @@ def nugget_by_evidence(series: FloatArray, rate: float) -> float:
         evidence.append(
             -0.5 * n * np.log(power).sum() - series.shape[1] * np.log(np.diag(factor)).sum()
         )
-    return NUGGETS[int(np.argmax(evidence))]
+    return float(NUGGETS[int(np.argmax(evidence))])
 
 
 def matrix_normal(
     positions: FloatArray, start: FloatArray, rate: float, nugget: float
-) -> Posterior:
+) -> FloatArray:
     """Fill all gaps by expectation and maximisation.
 
     Parameters
@@ -103,6 +82,10 @@ def matrix_normal(
         Hz.
     nugget
         Share of white noise in time.
+
+    Returns
+    -------
+    (n_frames, n_markers, n_dims) mm, without gaps.
     """
     n_frames, n_markers, n_dims = positions.shape
     lag = (np.arange(n_frames)[:, None] - np.arange(n_frames)) / (rate * LENGTH_S)
@@ -117,7 +100,6 @@ def matrix_normal(
     filled = start.copy()
     near = _nearness(filled)
     uncertain = np.zeros((n_markers, n_markers))
-    precision = np.zeros((len(missing), len(missing)))
     for _ in range(STEPS):
         scatter = sum(filled[:, :, d].T @ over_time @ filled[:, :, d] for d in range(n_dims))
         covariance = (scatter + n_dims * uncertain) / (n_dims * n_frames)
@@ -132,7 +114,7 @@ def matrix_normal(
         filled[t, m] -= cho_solve(factor, pull)
         posterior = _inverse(factor[0])
         uncertain = member.T @ (posterior * time_part) @ member
-    return Posterior(filled, missing, precision)
+    return filled
 
 
 def _inverse(lower: FloatArray) -> FloatArray:
@@ -148,24 +130,7 @@ def _nearness(filled: FloatArray) -> FloatArray:
     return np.asarray(near + FLOOR * np.eye(len(near)))
 
 
-@dataclass(frozen=True, eq=False)
-class Estimate:
-    """A window whose gaps are all filled, and how sure that is.
-
-    Attributes
-    ----------
-    filled
-        (n_frames, n_markers, n_dims) mm.
-    deviation
-        (n_frames, n_markers) mm: standard deviation of the distance to the truth under the model;
-        0 where a marker is seen.
-    """
-
-    filled: FloatArray
-    deviation: FloatArray
-
-
-def fill_at_once(positions: FloatArray, rate: float) -> Estimate:
+def fill_at_once(positions: FloatArray, rate: float) -> FloatArray:
     """Fill all gaps of a window by two matrix normal models of different nuggets.
 
     The last few windows are remembered, since every gap of a window asks for the same.
@@ -176,12 +141,16 @@ def fill_at_once(positions: FloatArray, rate: float) -> Estimate:
         (n_frames, n_markers, n_dims) mm, NaN where missing.
     rate
         Hz.
+
+    Returns
+    -------
+    (n_frames, n_markers, n_dims) mm, without gaps, read-only.
     """
     return _fill_at_once(np.ascontiguousarray(positions).tobytes(), positions.shape, rate)
 
 
 @lru_cache(maxsize=4)
-def _fill_at_once(content: bytes, shape: tuple[int, ...], rate: float) -> Estimate:
+def _fill_at_once(content: bytes, shape: tuple[int, ...], rate: float) -> FloatArray:
     positions = np.frombuffer(content).reshape(shape)
     complete = np.flatnonzero(np.isfinite(positions[:, :, 0]).all(axis=0))
     chosen = complete if len(complete) else np.arange(positions.shape[1])
@@ -190,15 +159,9 @@ def _fill_at_once(content: bytes, shape: tuple[int, ...], rate: float) -> Estima
     known = (start - centre)[:, chosen]
     nugget = nugget_by_evidence(known.reshape(len(known), -1), rate)
     filled = np.zeros_like(start)
-    variance = np.zeros(start.shape[:2])
     for factor, weight in MEMBERS:
         used = float(np.clip(nugget * factor, *NUGGET_BOUNDS))
-        found = matrix_normal(positions - centre, start - centre, rate, used)
-        filled += weight * found.filled
-        own = np.diag(_inverse(cho_factor(found.precision, lower=True)[0]))
-        variance[tuple(found.missing.T)] += weight * positions.shape[2] * own
+        filled += weight * matrix_normal(positions - centre, start - centre, rate, used)
     filled += centre
-    deviation = np.sqrt(variance)
-    for array in (filled, deviation):
-        array.flags.writeable = False
-    return Estimate(filled, deviation)
+    filled.flags.writeable = False
+    return filled

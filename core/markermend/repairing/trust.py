@@ -108,8 +108,10 @@ class Bench:
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
         self._around: Scene | None = None
+        self._window_start = 0
         try:
             self.problem, self._around = cut_out(problem)
+            self._window_start = self._around.window.start
         except CannotRepair as refusal:
             self._refusal = str(refusal)
 
@@ -128,14 +130,17 @@ class Bench:
         """
         if self._around is None:
             raise CannotRepair(self._refusal)
-        return outcome(self.problem, self._around, self.reference)
+        return outcome(self._around, self.reference)
 
     @cached_property
     def _starts(self) -> np.ndarray[Any, np.dtype[np.intp]]:
         if self._around is None:
             return np.empty(0, np.intp)
         known = self.reference
-        return spread_out(places(self._around) if known is None else known.pseudo.starts, MOST)
+        if known is None:
+            return spread_out(places(self._around), MOST)
+        moved = known.first - self._around.window.start
+        return spread_out(known.pseudo.starts + moved, MOST)
 
     @cached_property
     def trials(self) -> list[Trial]:
@@ -175,7 +180,8 @@ class Bench:
         if self.reference is None:
             return 1.0
         errors = self.reference.errors.mean(axis=1)
-        at = np.searchsorted(self.reference.pseudo.starts, self._starts[tried])
+        starts = self.reference.pseudo.starts + self.reference.first
+        at = np.searchsorted(starts, self._starts[tried] + self._window_start)
         return float(errors.mean() / max(errors[at].mean(), 1e-9))
 
     def _judged(self, name: str, errors: FloatArray) -> Trust:

@@ -123,7 +123,7 @@ def test_no_band_where_no_pseudo_gap_of_the_length_fits(walk):
     done = repair(short, "THIGH2", (40, 80), "auto")
     assert done.band is None
     assert done.expected_mm is None
-    assert "could be tested" in done.note
+    assert "filled at once" in done.note
 
 
 def test_only_the_window_around_the_span_counts(walk):

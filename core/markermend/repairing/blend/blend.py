@@ -35,12 +35,15 @@ class Blend:
         The pseudo-gaps.
     members
         (weight, description) of what was mixed.
+    first
+        Frame of the take with which the window starts that the pseudo-gaps are counted in.
     """
 
     values: FloatArray
     errors: FloatArray
     pseudo: PseudoGaps
     members: tuple[tuple[float, str], ...]
+    first: int
 
     @property
     def expected_mm(self) -> float:
@@ -91,7 +94,7 @@ def blend(around: Scene) -> Blend | None:
         )
         for weight, (way, recipe) in zip(weights, members, strict=True)
     )
-    return Blend(values, np.linalg.norm(mixed, axis=2), pseudo, described)
+    return Blend(values, np.linalg.norm(mixed, axis=2), pseudo, described, around.window.start)
 
 
 def _described(family: Family, recipe: Recipe, way: Operator) -> str:

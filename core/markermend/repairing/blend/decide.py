@@ -6,21 +6,29 @@ from markermend.errors import CannotRepair
 from markermend.repairing.blend.blend import Blend, blend
 from markermend.repairing.blend.fixed import between_edges
 from markermend.repairing.blend.scene import Scene, survey
-from markermend.repairing.blend.short import share_of_tested, short
+from markermend.repairing.blend.short import share_of_tested, short, with_filled_neighbours
 from markermend.repairing.problem import Outcome, Problem
 from markermend.repairing.window import window
+
+TESTED_SHARE = 0.6
+"""Weight of a mix that was tested, beside SHORT where little is seen."""
 
 
 def decide(problem: Problem) -> Outcome:
     """Fill the span by the best means that it allows; see `markermend.repairing.methods.auto`."""
     around = survey(window(problem))
     _check(around)
-    return outcome(problem, around, tested(around))
+    return outcome(around, tested(around))
 
 
 def tested(around: Scene) -> Blend | None:
-    """Give the mix that does best on pseudo-gaps; None where too little is seen to test any."""
-    return blend(around) if _share(around) > 0 or not len(around.order) else None
+    """Give the mix that does best on pseudo-gaps; None where none can be hidden.
+
+    Where little is seen, the gaps of the neighbours are filled first, so that they count.
+    """
+    if _blacked_out(around) or _share(around) == 1.0:
+        return blend(around)
+    return blend(with_filled_neighbours(around.window))
 
 
 def _share(around: Scene) -> float:
@@ -28,23 +36,38 @@ def _share(around: Scene) -> float:
     return share_of_tested(int(np.isfinite(cut.own[:, 0]).sum()), len(cut.span), cut.rate)
 
 
-def outcome(problem: Problem, around: Scene, found: Blend | None) -> Outcome:
-    """Say what was found, or what is done where no mix could be tested well enough."""
+def _blacked_out(around: Scene) -> bool:
+    cut = around.window
+    return not cut.seen[cut.span.frames].any()
+
+
+def outcome(around: Scene, found: Blend | None) -> Outcome:
+    """Say what was found, or what is done where no mix could be tested well enough.
+
+    Raises
+    ------
+    CannotRepair
+        If neither the marker's edges nor its neighbours say enough.
+    """
     _check(around)
     cut = around.window
-    seen = int(np.isfinite(cut.own[:, 0]).sum())
     share = _share(around)
-    if found is not None and (share == 1.0 or not len(around.order)):
+    if found is not None and (share == 1.0 or _blacked_out(around)):
         return Outcome(found.values, found.band(), found.expected_mm, _note(around, found))
-    if not cut.seen[cut.span.frames].any():
+    if _blacked_out(around):
         return Outcome(between_edges(around), note="Its own motion carries it across the gap.")
-    filled = short(cut)
-    values = filled.values
+    at_once = short(cut)
+    seen = int(np.isfinite(cut.own[:, 0]).sum())
     note = f"Only {seen} frames of it are seen: all gaps near here are filled at once"
-    if found is None or share == 0.0:
-        return Outcome(values, note=f"{note}.")
-    values = share * found.values + (1 - share) * values
-    return Outcome(values, note=f"{note}, which counts {1 - share:.0%} beside a tested mix.")
+    if found is None:
+        return Outcome(at_once, note=f"{note}.")
+    weight = share + (1 - share) * TESTED_SHARE
+    return Outcome(
+        weight * found.values + (1 - weight) * at_once,
+        found.band(),
+        found.expected_mm,
+        f"{note} ({1 - weight:.0%}), beside {_note(around, found)}",
+    )
 
 
 def _check(around: Scene) -> None:

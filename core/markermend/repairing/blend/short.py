@@ -1,6 +1,6 @@
 """Fill a gap where little is seen: all gaps of a short window at once, then locally (SHORT)."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,22 +29,6 @@ ENOUGH_S = (0.9, 3.0)
 second on none."""
 
 
-@dataclass(frozen=True, eq=False)
-class Short:
-    """A filled gap, and how sure the model of the window is of it.
-
-    Attributes
-    ----------
-    values
-        (length, n_dims) mm.
-    deviation
-        (length,) mm: standard deviation of the distance to the truth under the matrix normal.
-    """
-
-    values: FloatArray
-    deviation: FloatArray
-
-
 def share_of_tested(seen: int, length: int, rate: float) -> float:
     """Give the weight, 0 to 1, of a mix tested on pseudo-gaps against SHORT.
 
@@ -64,25 +48,34 @@ def share_of_tested(seen: int, length: int, rate: float) -> float:
     return float(learnt * np.clip((seen / length - 1) / 2, 0, 1))
 
 
-def short(cut: Window) -> Short:
+def short(cut: Window) -> FloatArray:
     """Fill the span from all that is seen in a short window around it.
 
     All gaps of the window are filled at once by a matrix normal model.  Then the gaps of the
     marker's neighbours, and last its own, are filled again by regression in a local frame.
+
+    Returns
+    -------
+    (length of the span, n_dims) mm.
     """
     near = _nearer(cut)
-    estimate = fill_at_once(near.positions, near.rate)
-    own = estimate.filled[near.span.frames, near.marker]
-    deviation = estimate.deviation[near.span.frames, near.marker]
+    filled = fill_at_once(near.positions, near.rate)
+    own = filled[near.span.frames, near.marker]
     low, high = ALL_AT_ONCE_S
     weight = float(np.clip((high - len(near.span) / near.rate) / (high - low), 0, 1))
     if weight == 1.0:
-        return Short(own, deviation)
-    filled = _second_sweep(near, estimate.filled)
+        return own
+    filled = _second_sweep(near, filled)
     locally = _locally(near, filled, CARRIERS)
     if locally is None:
-        return Short(own, deviation)
-    return Short(weight * own + (1 - weight) * locally, deviation)
+        return own
+    return np.asarray(weight * own + (1 - weight) * locally)
+
+
+def with_filled_neighbours(cut: Window) -> Scene:
+    """Give the scene around the span in which all gaps of the neighbours are filled."""
+    near = _nearer(cut)
+    return _doubting(near, fill_at_once(near.positions, near.rate))
 
 
 def _nearer(cut: Window) -> Window:
