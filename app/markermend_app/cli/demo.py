@@ -14,4 +14,5 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Serve the demonstration take."""
+    review.refuse_without_the_extra()
     review.serve(options, (demonstration(),))

@@ -6,7 +6,7 @@ from typing import Any
 from markermend import detection
 from markermend.model import Finding
 from markermend_app.cli.common import json_text, kinds, read, take_argument
-from markermend_app.cli.terminal import plain
+from markermend_app.cli.terminal import plain, put, say
 
 FIELDS = ("id", "marker", "start", "stop", "kind", "score", "axes", "amplitude")
 """What stands of each finding in the JSON; other programs rely on it."""
@@ -40,17 +40,17 @@ def run(options: argparse.Namespace) -> None:
             "findings": [_record(finding) for finding in found],
             "warnings": list(take.warnings),
         }
-        print(json_text(record), end="")
+        put(json_text(record))
         return
     width = max((len(plain(f.marker)) for f in found), default=6)
-    print(f"{'marker':{width}}  kind   from s    to s  frames  score  {take.units:>6}")
+    say(f"{'marker':{width}}  kind   from s    to s  frames  score  {take.units:>6}")
     for f in found:
         size = "" if f.amplitude is None else f"{f.amplitude:6.1f}"
-        print(
+        say(
             f"{plain(f.marker):{width}}  {f.kind:5}  {f.span.start / take.rate:6.2f}  "
             f"{f.span.stop / take.rate:6.2f}  {len(f.span):6}  {f.score:5.2f}  {size:>6}"
         )
-    print(f"{len(found)} findings")
+    say(f"{len(found)} findings")
 
 
 def _record(finding: Finding) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from typing import Any
 from markermend import io
 from markermend.model import Take, runs
 from markermend_app.cli.common import json_text, take_argument, warn
-from markermend_app.cli.terminal import say
+from markermend_app.cli.terminal import put, say
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,21 +39,19 @@ def run(options: argparse.Namespace) -> None:
     }
     warn(warnings)
     if options.json:
-        print(json_text(record), end="")
+        put(json_text(record))
         return
     inner = [gap for gap in record["gaps"] if gap["inner"]]
     longest = max((gap["stop"] - gap["start"] for gap in inner), default=0)
     never = sum(1 for gap in record["gaps"] if gap["stop"] - gap["start"] == take.n_frames)
     missing = 1 - take.seen[:, take.measured].mean() if take.measured.size else 0.0
     say(options.take.name)
-    print(f"  frames   {take.n_frames}" + (f" ({take.duration_s:.2f} s)" if rate else ""))
-    print(f"  markers  {len(take.measured)} of {take.n_markers} points")
-    print(f"  rate     {f'{rate:g} Hz' if rate else 'not said'}")
-    print(f"  units    {units or 'not said'}")
-    print(f"  missing  {100 * missing:.2f} %")
-    print(
-        f"  gaps     {len(inner)} inner, the longest {longest} frames; {never} markers never seen"
-    )
+    say(f"  frames   {take.n_frames}" + (f" ({take.duration_s:.2f} s)" if rate else ""))
+    say(f"  markers  {len(take.measured)} of {take.n_markers} points")
+    say(f"  rate     {f'{rate:g} Hz' if rate else 'not said'}")
+    say(f"  units    {units or 'not said'}")
+    say(f"  missing  {100 * missing:.2f} %")
+    say(f"  gaps     {len(inner)} inner, the longest {longest} frames; {never} markers never seen")
 
 
 def _gaps(take: Take) -> list[dict[str, Any]]:

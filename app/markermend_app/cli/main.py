@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 
 from markermend import __version__
 from markermend.errors import MarkerMendError
-from markermend_app.cli.terminal import reader_is_gone, say, sentence, show_anything
+from markermend_app.cli.terminal import ReaderGone, finish, hush, put, say, sentence, show_anything
 
 COMMANDS = {
     "review": "review a take in the browser",
@@ -67,22 +67,24 @@ def main(argv: Sequence[str] | None = None) -> int:
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     command = next((word for word in given if not word.startswith("-")), None)
+    code = 0
     try:
-        code = _run(given, command if command in COMMANDS else None)
-        sys.stdout.flush()
-    except (MarkerMendError, _Usage) as refusal:
-        say(sentence(refusal), file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        return 130
-    except Exception as fault:  # noqa: BLE001  a fault of ours: the whole of it, and exit code 1
-        if isinstance(fault, BrokenPipeError) and reader_is_gone():
-            return 0  # the reader had enough: `markermend info take | head -1`
-        traceback.print_exc()
-        say(
-            "This is a fault of markermend; please report it with the lines above.", file=sys.stderr
-        )
-        return 1
+        try:
+            code = _run(given, command if command in COMMANDS else None)
+        except (MarkerMendError, _Usage) as refusal:
+            code = 2
+            say(sentence(refusal), file=sys.stderr)
+        except KeyboardInterrupt:
+            code = 130
+        except ReaderGone:
+            raise
+        except Exception:  # noqa: BLE001  a fault of ours: the whole of it, and exit code 1
+            code = 1
+            put(traceback.format_exc(), file=sys.stderr)
+            say("This is a fault of markermend; please report these lines.", file=sys.stderr)
+        finish()
+    except ReaderGone:
+        hush()
     return code
 
 

@@ -1,11 +1,15 @@
 """``markermend review PATH…``: the application in the browser."""
 
 import argparse
+import importlib.util
 from pathlib import Path
 
 from markermend.errors import BadInput, MarkerMendError
 from markermend_app.cli.common import lacking, read, whole
+from markermend_app.cli.terminal import finish, say
 
+NEEDED = ("bokeh", "panel", "param", "pyvista")
+"""What the application imports of the extra."""
 NEEDS_APP = "The application needs more packages: install them with pip install 'markermend[app]'."
 
 
@@ -34,6 +38,7 @@ def serving(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Serve on the loopback until interrupted."""
+    refuse_without_the_extra()
     for path in options.paths:
         if not path.exists():
             raise BadInput(f"There is no file {path}; give the path of a recording.")
@@ -42,21 +47,29 @@ def run(options: argparse.Namespace) -> None:
     serve(options, tuple(path.absolute() for path in options.paths))
 
 
-def serve(options: argparse.Namespace, paths: tuple[Path, ...]) -> None:
-    """Open the store and serve these takes.
+def refuse_without_the_extra() -> None:
+    """Say what to install, before anything is read.
 
     Raises
     ------
     MarkerMendError
         If the packages of the application are not installed.
     """
+    if not all(map(_installed, NEEDED)):
+        raise MarkerMendError(NEEDS_APP)
+
+
+def _installed(package: str) -> bool:
     try:
-        from markermend_app import shell
-    except ModuleNotFoundError as missing:
-        if (missing.name or "").partition(".")[0] in ("markermend", "markermend_app"):
-            raise
-        raise MarkerMendError(NEEDS_APP) from None
+        return importlib.util.find_spec(package) is not None
+    except ModuleNotFoundError:
+        return False
+
+
+def serve(options: argparse.Namespace, paths: tuple[Path, ...]) -> None:
+    """Open the store and serve these takes."""
     from markermend.review.store import Store
+    from markermend_app import shell
     from markermend_app.state.workspace import Workspace
 
     store = Store(options.store)
@@ -71,5 +84,10 @@ def serve(options: argparse.Namespace, paths: tuple[Path, ...]) -> None:
         workspace,
         port=options.port,
         show=not options.no_browser,
-        ready=lambda address: print(f"MarkerMend at {address} (Ctrl+C stops it)", flush=True),
+        ready=_announce,
     )
+
+
+def _announce(address: str) -> None:
+    say(f"MarkerMend at {address} (Ctrl+C stops it)")
+    finish()

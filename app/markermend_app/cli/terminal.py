@@ -5,6 +5,10 @@ import sys
 from typing import TextIO
 
 
+class ReaderGone(Exception):
+    """The other end of stdout or stderr was closed, as by ``markermend info take | head -1``."""
+
+
 def plain(text: object) -> str:
     r"""Escape what does not print: control and formatting characters, e.g. ``\x1b``.
 
@@ -22,9 +26,38 @@ def sentence(text: object) -> str:
     return " ".join(str(text).split())
 
 
+def put(text: str, *, file: TextIO | None = None) -> None:
+    """Print text as it is.
+
+    Raises
+    ------
+    ReaderGone
+        If nobody reads it any more.
+    """
+    try:
+        (file or sys.stdout).write(text)
+    except BrokenPipeError:
+        raise ReaderGone from None
+
+
 def say(text: object, *, file: TextIO | None = None) -> None:
-    """Print one line, escaped."""
-    print(plain(text), file=file)
+    """Print one line, escaped; raises as `put` does."""
+    put(f"{plain(text)}\n", file=file)
+
+
+def finish() -> None:
+    """Hand on what is still held back; raises as `put` does."""
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        raise ReaderGone from None
+
+
+def hush() -> None:
+    """Send what is still held back nowhere, so that the end of the process does not fail on it."""
+    with open(os.devnull, "wb") as nowhere:  # noqa: PTH123  a device, for its number
+        for stream in (sys.stdout, sys.stderr):
+            os.dup2(nowhere.fileno(), stream.fileno())
 
 
 def show_anything() -> None:
@@ -33,15 +66,3 @@ def show_anything() -> None:
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is not None:
             reconfigure(errors="backslashreplace")
-
-
-def reader_is_gone() -> bool:
-    """Whether the other end of stdout or stderr was closed; if so, nothing more goes there."""
-    gone = False
-    for stream in (sys.stdout, sys.stderr):
-        try:
-            stream.flush()
-        except BrokenPipeError:
-            gone = True
-            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
-    return gone
