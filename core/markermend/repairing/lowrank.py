@@ -10,6 +10,7 @@ import numpy as np
 
 from markermend.errors import CannotRepair
 from markermend.model import BoolArray, FloatArray
+from markermend.repairing.geometry import distance_spread
 from markermend.repairing.pca import centred
 from markermend.repairing.problem import Outcome, Problem
 from markermend.repairing.window import window
@@ -41,14 +42,16 @@ class Solved:
 Solver = Callable[[FloatArray, BoolArray], Solved]
 
 
-def fill_by_matrix(problem: Problem, context: int, solve: Solver) -> Outcome:
-    """Fill the span by completing the matrix of all trajectories around it.
+def fill_by_matrix(problem: Problem, context: int, markers: int, solve: Solver) -> Outcome:
+    """Fill the span by completing the matrix of the trajectories around it.
 
     Parameters
     ----------
     context
         Frames around the span that the matrix holds, the span included; at least three times the
         span.
+    markers
+        Other markers that it holds: the most rigidly tied ones, first those seen in the span.
     solve
         Completes a matrix, given the data and which of them are known.
 
@@ -58,18 +61,22 @@ def fill_by_matrix(problem: Problem, context: int, solve: Solver) -> Outcome:
         If the marker or every other one is not seen around the span.
     """
     cut = window(problem, context)
-    ever: BoolArray = np.asarray(cut.seen.any(axis=0))
-    if not (ever.sum() > 1 and cut.seen[cut.span.frames].any()):
+    spread, _ = distance_spread(cut.own, cut.positions)
+    spread[cut.marker] = np.inf
+    hidden = ~cut.seen[cut.span.frames].all(axis=0)
+    ranked = np.lexsort([spread, hidden])
+    chosen = ranked[np.isfinite(spread[ranked])][:markers]
+    if not cut.seen[cut.span.frames][:, chosen].any():
         raise CannotRepair(
             f"No other marker is seen while {cut.label} is not; choose a method that needs none, "
             "such as pchip."
         )
     middle = centred(cut)
-    data = (cut.positions[:, ever] - middle[:, None]).reshape(cut.n_frames, -1)
+    columns = np.concatenate([[cut.marker], chosen])
+    data = (cut.positions[:, columns] - middle[:, None]).reshape(cut.n_frames, -1)
     solved = solve(data, np.isfinite(data))
-    first = int(ever[: cut.marker].sum()) * cut.n_dims
     frames = cut.span.frames
-    values = solved.matrix[frames, first : first + cut.n_dims] + middle[frames]
+    values = solved.matrix[frames, : cut.n_dims] + middle[frames]
     note = ""
     if not solved.converged:
         note = (

@@ -11,8 +11,8 @@ from markermend.model import BoolArray, FloatArray, Take
 from markermend.repairing.geometry import distance_spread
 from markermend.repairing.window import Window
 
-COUNT = 16
-"""Neighbours looked at: more than a segment and the next ones ever hold."""
+COUNT = 10
+"""Neighbours looked at: about as many as a segment and the next one hold."""
 
 
 @dataclass(frozen=True, eq=False)

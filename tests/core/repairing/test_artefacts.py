@@ -149,7 +149,7 @@ class TestButterworth:
 
     def test_refuses_gaps_and_cutoffs_beyond_the_rate(self):
         values = np.zeros(200)
-        with pytest.raises(CannotRepair, match=r"not the 100 Hz"):
+        with pytest.raises(CannotRepair, match="not the 100 Hz"):
             self.smooth(values, Span(50, 60), cutoff=50.0)
         values[55] = np.nan
         with pytest.raises(CannotRepair, match="nothing to smooth"):

@@ -45,8 +45,8 @@ def butterworth(
     label = problem.labels[problem.marker]
     if cutoff >= 0.5 * rate:
         raise CannotRepair(
-            f"A cut-off of {cutoff:g} Hz needs more than twice that and not the {rate:g} Hz of this take; choose a "
-            "lower one."
+            f"A cut-off of {cutoff:g} Hz needs more than twice that as the rate, not the {rate:g} "
+            "Hz of this take; choose a lower one."
         )
     reach = span.padded(round(3.0 * rate / cutoff), problem.n_frames)
     values = problem.own[reach.frames].copy()

@@ -27,7 +27,7 @@ def ffnn(
     *,
     average: Annotated[int, Within(10, 2000, "frames")] = 200,
     replicas: Annotated[int, Within(1, 10)] = 5,
-    epochs: Annotated[int, Within(1, 500)] = 100,
+    epochs: Annotated[int, Within(1, 500)] = 50,
     seed: Annotated[int, Within(0, 1_000_000)] = 0,
 ) -> FloatArray:
     """Predict the marker by a network from its parent and siblings and its own moving average.

@@ -25,11 +25,12 @@ def slr(
     weight: Annotated[float, Within(0, 100)] = 0.1,
     cutoff: Annotated[float, Within(0.1, 100, "Hz")] = 6.0,
     high: Annotated[float, Within(1, 10000)] = 100.0,
+    markers: Annotated[int, Within(1, 300)] = 10,
     context: Annotated[int, Within(50, 3000, "frames")] = 600,
     iterations: Annotated[int, Within(10, 1000)] = 300,
     tolerance: Annotated[float, Within(1e-8, 0.1)] = 1e-3,
 ) -> Outcome:
-    """Complete all trajectories so that few patterns and few frequencies explain them.
+    """Complete trajectories so that few patterns and few frequencies explain them.
 
     Made for periodic motion, such as walking on a treadmill; the window should hold a few cycles.
 
@@ -42,6 +43,9 @@ def slr(
         Frequency from which on it costs more.
     high
         How many times more.
+    markers
+        Other markers that the matrix holds, the most rigidly tied ones; with ten it is as large
+        as the smaller set of Kamali et al.
     context
         Frames around the span that are looked at, or three times the span if that is more.
     iterations
@@ -63,4 +67,4 @@ def slr(
         penalty = frequency_penalty(len(data), problem.rate, weight, cutoff, high)
         return by_sparse_low_rank(data, known, penalty, False, iterations, tolerance)
 
-    return fill_by_matrix(problem, context, solve)
+    return fill_by_matrix(problem, context, markers, solve)

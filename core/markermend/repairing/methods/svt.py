@@ -18,14 +18,18 @@ from markermend.repairing.problem import Outcome, Problem
 def svt(
     problem: Problem,
     *,
+    markers: Annotated[int, Within(1, 300)] = 10,
     context: Annotated[int, Within(50, 3000, "frames")] = 600,
     iterations: Annotated[int, Within(10, 1000)] = 100,
     tolerance: Annotated[float, Within(1e-8, 0.1)] = 1e-3,
 ) -> Outcome:
-    """Complete the matrix of all trajectories by the smallest sum of singular values.
+    """Complete the matrix of trajectories by the smallest sum of singular values.
 
     Parameters
     ----------
+    markers
+        Other markers that the matrix holds, the most rigidly tied ones; with ten it is as large
+        as the smaller set of Kamali et al.
     context
         Frames around the span that are looked at, or three times the span if that is more.
     iterations
@@ -45,5 +49,6 @@ def svt(
     return fill_by_matrix(
         problem,
         context,
+        markers,
         partial(by_truncated_norm, rank=0, rounds=1, iterations=iterations, tolerance=tolerance),
     )

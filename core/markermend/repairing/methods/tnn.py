@@ -18,18 +18,22 @@ from markermend.repairing.problem import Outcome, Problem
 def tnn(
     problem: Problem,
     *,
-    rank: Annotated[int, Within(1, 60)] = 15,
+    rank: Annotated[int, Within(1, 60)] = 8,
+    markers: Annotated[int, Within(1, 300)] = 10,
     context: Annotated[int, Within(50, 3000, "frames")] = 600,
     rounds: Annotated[int, Within(1, 50)] = 6,
     iterations: Annotated[int, Within(10, 500)] = 50,
     tolerance: Annotated[float, Within(1e-8, 0.1)] = 1e-3,
 ) -> Outcome:
-    """Complete the matrix of all trajectories so that a few patterns explain nearly all of it.
+    """Complete the matrix of trajectories so that a few patterns explain nearly all of it.
 
     Parameters
     ----------
     rank
         Patterns that may be as large as they like.
+    markers
+        Other markers that the matrix holds, the most rigidly tied ones; with ten it is as large
+        as the smaller set of Kamali et al.
     context
         Frames around the span that are looked at, or three times the span if that is more.
     rounds
@@ -51,6 +55,7 @@ def tnn(
     return fill_by_matrix(
         problem,
         context,
+        markers,
         partial(
             by_truncated_norm,
             rank=rank,
