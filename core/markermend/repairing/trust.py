@@ -189,7 +189,8 @@ class Bench:
         length = len(self.problem.span)
         band = None
         if len(errors) >= LEAST_FOR_BAND:
-            band = band_by_position(errors, np.arange(length), length)
+            seen = int(np.isfinite(self.problem.own[:, 0]).sum())
+            band = band_by_position(errors, np.arange(length), length, seen)
         return Trust(name, float(each.mean()), float(np.quantile(each, 0.9)), band, len(errors))
 
 

@@ -151,7 +151,9 @@ def test_the_band_covers_nine_in_ten_and_grows_away_from_the_edges():
     inside = np.arange(40)
     shape = np.sin(np.pi * (inside + 0.5) / 40)
     errors = np.abs(rng.normal(size=(60, 40))) * shape
-    band = band_by_position(errors, inside, 40)
+    band = band_by_position(errors, inside, 40, 10**6)
     fresh = np.abs(rng.normal(size=(400, 40))) * shape
-    assert 0.86 < (fresh <= band).mean() < 0.94
+    assert 0.87 < (fresh <= band).mean() < 0.95
     assert band[20] > 3 * band[0]
+    assert (band_by_position(errors, inside, 40, 300) > 1.2 * band).all()
+    assert band_by_position(errors, inside, 40, 90) is None

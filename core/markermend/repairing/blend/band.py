@@ -7,9 +7,16 @@ from scipy.ndimage import gaussian_filter1d
 from markermend.model import FloatArray
 
 SHARE = 0.9
+WIDER, WIDER_FRAMES = 1.05, 100.0
+"""How much wider the band is made, for the mix was chosen on the same pseudo-gaps, and for these
+know only the motions of the frames that are seen; set on other recordings than are reported."""
+LEAST_LENGTHS = 2.5
+"""Gap lengths that must be seen for a band to be shown."""
 
 
-def band_by_position(errors: FloatArray, inside: NDArray[np.intp], length: int) -> FloatArray:
+def band_by_position(
+    errors: FloatArray, inside: NDArray[np.intp], length: int, seen: int
+) -> FloatArray | None:
     """Give the level under which 90 % of the errors stay, growing away from the edges.
 
     All gaps share one shape over the position, their root mean square error; the level is the
@@ -23,12 +30,16 @@ def band_by_position(errors: FloatArray, inside: NDArray[np.intp], length: int) 
         (n_inside,): the offsets in the gap that they belong to.
     length
         Frames of the gap.
+    seen
+        Frames in which the marker and its neighbours are seen.
 
     Returns
     -------
-    (length,) mm.
+    (length,) mm, or None where too little is seen.
     """
+    if seen < LEAST_LENGTHS * length:
+        return None
     shape = np.sqrt(np.square(errors).mean(axis=0))
     shape = gaussian_filter1d(shape, max(0.04 * len(shape), 0.5), mode="nearest") + 1e-6
-    level = np.quantile(errors / shape, SHARE)
+    level = np.quantile(errors / shape, SHARE) * (WIDER + WIDER_FRAMES / seen)
     return np.interp(np.arange(length), inside, level * shape)

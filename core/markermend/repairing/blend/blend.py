@@ -37,6 +37,8 @@ class Blend:
         (weight, description) of what was mixed.
     first
         Frame of the take with which the window starts that the pseudo-gaps are counted in.
+    seen
+        Frames of that window in which the marker and its neighbours are seen.
     """
 
     values: FloatArray
@@ -44,15 +46,16 @@ class Blend:
     pseudo: PseudoGaps
     members: tuple[tuple[float, str], ...]
     first: int
+    seen: int
 
     @property
     def expected_mm(self) -> float:
         """Mean error to be expected."""
         return float(self.errors.mean())
 
-    def band(self) -> FloatArray:
-        """Give the 90 % band by position in the gap, (length,) mm."""
-        return band_by_position(self.errors, self.pseudo.inside, self.pseudo.length)
+    def band(self) -> FloatArray | None:
+        """Give the 90 % band by position in the gap, (length,) mm, if enough is seen."""
+        return band_by_position(self.errors, self.pseudo.inside, self.pseudo.length, self.seen)
 
 
 def blend(around: Scene) -> Blend | None:
@@ -94,7 +97,14 @@ def blend(around: Scene) -> Blend | None:
         )
         for weight, (way, recipe) in zip(weights, members, strict=True)
     )
-    return Blend(values, np.linalg.norm(mixed, axis=2), pseudo, described, around.window.start)
+    return Blend(
+        values,
+        np.linalg.norm(mixed, axis=2),
+        pseudo,
+        described,
+        around.window.start,
+        int(around.rows.sum()),
+    )
 
 
 def _described(family: Family, recipe: Recipe, way: Operator) -> str:
