@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
+from scipy.ndimage import maximum_filter1d
 
 from markermend.detection.likelihood import templates
 from markermend.detection.likelihood.sharp import (
@@ -22,6 +23,8 @@ _HALF = 6
 _REACH = 16  # frames around an edge that its own answer is taken out of
 _SIDE = 8  # frames in which nothing much may be left
 _SIDE_SHARE = 1.0
+_NEAR = 3
+_CLEARER = 1.4  # how much more one frame must explain to rule an edge out
 _MISMATCH = 0.6  # most of |J1 + J2| / (|J1| + |J2|)
 _MOST_EDGES = 24  # per marker, the strongest ones
 
@@ -40,16 +43,24 @@ class Jumps:
         (n_markers, n_frames): local scale of the score, at least 1.
     answer
         (n_markers, 3, 2 * reach + 1): what a jump by 1 adds to ``N`` around it.
+    single
+        (n_markers, n_frames): squared score of one frame, not normalised.
     """
 
     N: FloatArray
     q: FloatArray
     usual: FloatArray
     answer: FloatArray
+    single: FloatArray
+
+    def squared(self) -> FloatArray:
+        """(n_markers, n_frames): squared scores, not normalised."""
+        result: FloatArray = (self.N**2 / self.q[..., None]).sum(1)
+        return result
 
     def score(self) -> FloatArray:
         """(n_markers, n_frames): normalised scores."""
-        return np.sqrt((self.N**2 / self.q[..., None]).sum(1)) / self.usual
+        return np.sqrt(self.squared()) / self.usual
 
 
 def jumps(whitened: Whitened, valid: BoolArray) -> Jumps:
@@ -71,6 +82,7 @@ def jumps(whitened: Whitened, valid: BoolArray) -> Jumps:
         q.reshape(n_markers, 3),
         local_scale(templates.score(N, q), valid),
         answer.reshape(n_markers, 3, -1),
+        templates.score(whitened.g, whitened.energy(np.ones(1))) ** 2,
     )
 
 
@@ -106,10 +118,14 @@ def find_steps(
     own_score = own.score()
     mates = mates_of(own_score, free, neighbours)
     share = free / np.maximum(1.0, MATE_SHARE * mates)
+    # Where one frame alone explains more than a jump does, there is no edge.
+    single = maximum_filter1d(own.single + residual.single, 2 * _NEAR + 1, axis=1)
+    peaked = _CLEARER * (own.squared() + residual.squared()) < single
     agreed = np.minimum(own_score, residual.score()) * share
     found = []
     for m in np.flatnonzero((agreed > LEAST * threshold).sum(1) >= 2):
         edges = _edges(own, residual, int(m), share[m], LEAST * threshold)
+        edges = [edge for edge in edges if not peaked[m, edge.frame]]
         pairs = []
         for i, a in enumerate(edges):
             for b in edges[i + 1 :]:

@@ -22,7 +22,7 @@ def likelihood(
     *,
     peak: Annotated[float, Within(2, 50, _SCALES)] = 5.0,
     noise: Annotated[float, Within(0.2, 20, "times the usual evidence")] = 1.0,
-    step: Annotated[float, Within(2, 50, _SCALES)] = 4.0,
+    step: Annotated[float, Within(2, 50, _SCALES)] = 4.5,
     slow: Annotated[float, Within(1, 50, _SCALES)] = 2.6,
     least_slow: Annotated[float, Within(0, 100, "mm")] = 1.5,
     floor: Annotated[float, Within(0.01, 10, "mm")] = 0.15,
