@@ -16,7 +16,7 @@ CLASSES = ("clear", "peak", "noise", "step", "slow")
 
 
 def confusion(
-    take: Take, truths: Iterable[Truth], findings: Iterable[Finding]
+    take: Take, truths: "Iterable[Called]", findings: "Iterable[Called]"
 ) -> NDArray[np.int64]:
     """Count the samples of the measured markers by what they are and what they were called.
 

@@ -19,7 +19,7 @@ from sqlalchemy import (
     UniqueConstraint,
 )
 
-REVISIONS = ("0001",)
+REVISIONS = ("0001", "0002")
 """All schemas so far, oldest first; kept here since loading the migrations takes half a second."""
 
 VERSION_TABLE = "markermend_schema"
@@ -77,4 +77,23 @@ journal = Table(
     Column("command", JSON(none_as_null=True)),
     Column("operator", Text, nullable=False),
     Column("at", Utc, nullable=False),
+)
+
+exercises = Table(
+    "exercises",
+    metadata,
+    Column("id", Integer, primary_key=True),
+    Column("take", String(64), ForeignKey("takes.sha256"), nullable=False, index=True),
+    Column("made", Utc, nullable=False),
+    Column("content", JSON, nullable=False),
+)
+
+grades = Table(
+    "grades",
+    metadata,
+    Column("id", Integer, primary_key=True),
+    Column("exercise", Integer, ForeignKey("exercises.id"), nullable=False),
+    Column("trainee", Text, nullable=False, index=True),
+    Column("at", Utc, nullable=False),
+    Column("result", JSON, nullable=False),
 )

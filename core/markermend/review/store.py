@@ -16,7 +16,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, Self
 
-from sqlalchemy import Row, insert, select, update
+from sqlalchemy import Row, Select, Table, insert, select, update
 from sqlalchemy.exc import IntegrityError
 
 from markermend.errors import Conflict, StoreError
@@ -300,6 +300,17 @@ class Store:
             ) from None
         finally:
             draft.unlink(missing_ok=True)
+
+    def rows(self, query: Select[Any]) -> list[Row[Any]]:
+        """Answer a query; for rooms that keep tables of their own here (`schema`)."""
+        return self._rows(query)
+
+    def add_row(self, table: Table, **values: Any) -> int:
+        """Insert one row into a table with an ``id``, and give that id."""
+        with spoken(self.where), writing(self._engine) as connection:
+            done = connection.execute(insert(table).values(**values))
+            assert done.inserted_primary_key is not None
+            return int(done.inserted_primary_key[0])
 
     def _rows(self, query: Any) -> list[Row[Any]]:
         with spoken(self.where), self._engine.connect() as connection:
