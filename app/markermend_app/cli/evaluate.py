@@ -9,6 +9,7 @@ from typing import Any
 
 from markermend.errors import CannotWrite
 from markermend_app.cli.common import json_text, progress, read, take_argument
+from markermend_app.cli.terminal import say
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -125,7 +126,7 @@ def _e2(options: argparse.Namespace) -> None:
             seed=options.seed,
             progress=_progress("Simulating"),
         )
-        print(f"detector {detector}, mean of {options.simulations}")
+        say(f"detector {detector}, mean of {options.simulations}")
         _print(*result.table())
         records.append(result.to_json())
     _write(options.json, {"version": 1, "experiment": "e2", "detectors": records})
@@ -162,7 +163,7 @@ def _predictors(options: argparse.Namespace) -> None:
         progress=_progress("Predicting"),
     )
     for title, columns, rows in result.tables():
-        print(title)
+        say(title)
         _print(columns, rows)
     _write(options.json, result.to_json())
 
@@ -254,7 +255,7 @@ def _print(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """Print a table, numbers to the right."""
     widths = [max(len(str(row[i])) for row in (columns, *rows)) for i in range(len(columns))]
     for row in (columns, *rows):
-        print("  ".join(f"{cell:>{w}}" for cell, w in zip(row, widths, strict=True)).rstrip())
+        say("  ".join(f"{cell:>{w}}" for cell, w in zip(row, widths, strict=True)).rstrip())
 
 
 def _write(path: Path | None, record: dict[str, Any]) -> None:
