@@ -8,6 +8,7 @@ from markermend.detection.run import detect
 from markermend.model import Finding, FloatArray, Span, Take
 from markermend.repairing.geometry import distance_spread
 from markermend.repairing.problem import Problem
+from markermend.repairing.run import moved
 
 CLUSTER = 4
 """Neighbours whose distances are looked at."""
@@ -127,9 +128,8 @@ class Inspector:
         label = problem.labels[problem.marker]
         small = Take(positions, problem.rate, [problem.labels[i] for i in chosen])
         around = Span(span.start - part.start, span.stop - part.start).padded(NEAR, len(part))
-        moved = part.start + self._first
         return tuple(
-            replace(found, span=Span(found.span.start + moved, found.span.stop + moved))
+            replace(found, span=moved(found.span, part.start + self._first))
             for found in detect(small)
             if found.marker == label and found.kind != "gap" and found.span.overlaps(around)
         )

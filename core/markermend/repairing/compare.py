@@ -11,7 +11,7 @@ from markermend.model import Kind, Span, Take
 from markermend.registry import Method
 from markermend.repairing.checks import Checks, Inspector
 from markermend.repairing.problem import Problem, Repair
-from markermend.repairing.run import REPAIRS, Wish, accept, pose, solve
+from markermend.repairing.run import REPAIRS, Wish, accept, moved, nearby, pose, solve
 from markermend.repairing.trust import REFERENCE, SLOW, Bench, Trust
 
 
@@ -129,13 +129,14 @@ def compare_iter(
     span = span if isinstance(span, Span) else Span(*span)
     names = REPAIRS.names() if methods is None else tuple(methods)
     chosen = [REPAIRS.get(name) for name in sorted(names, key=lambda name: (name in SLOW, name))]
-    problem = pose(take, Wish(marker, span, kind, partner), masked, training)
-    return _rows(problem, chosen)
+    near, first, hidden = nearby(take, span, masked)
+    wish = Wish(marker, moved(span, -first), kind, partner)
+    return _rows(pose(near, wish, hidden, training), chosen, span)
 
 
-def _rows(problem: Problem, methods: Sequence[Method]) -> Iterator[Row]:
+def _rows(problem: Problem, methods: Sequence[Method], span: Span) -> Iterator[Row]:
     bench = Bench(problem)
-    inspector = Inspector(bench.problem, problem.span.start - bench.problem.span.start)
+    inspector = Inspector(bench.problem, span.start - bench.problem.span.start)
     for method in methods:
         began = time.perf_counter()
         try:
@@ -148,7 +149,7 @@ def _rows(problem: Problem, methods: Sequence[Method]) -> Iterator[Row]:
         checks = None if method.name == "leave" else inspector.check(done.values)
         if trust is not None:
             done = replace(done, band=trust.band, expected_mm=trust.expected_mm)
-        done = replace(done, span=problem.span)
+        done = replace(done, span=span)
         yield Row(method.name, method.title, done, trust, checks, seconds)
 
 

@@ -1,7 +1,7 @@
 """Run repair methods on takes: one span, many spans, every gap."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,9 @@ from markermend.errors import BadInput, CannotRepair, MarkerMendError
 from markermend.model import FloatArray, Kind, Span, Take
 from markermend.registry import Method, Registry
 from markermend.repairing.problem import Outcome, Problem, Repair
+
+REACH = 4000
+"""Frames on each side of a span beyond which no method looks."""
 
 REPAIRS = Registry("repair method", "markermend.repairing.methods", "markermend.repairs")
 
@@ -85,7 +88,9 @@ def repair(
     """
     span = span if isinstance(span, Span) else Span(*span)
     wish = Wish(marker, span, kind, partner, method, parameters)
-    return _grant(_Poser(take, [(marker, span), *masked], training), wish)
+    near, first, hidden = nearby(take, span, [(marker, span), *masked])
+    done = _grant(_Poser(near, hidden, training), replace(wish, span=moved(span, -first)))
+    return replace(done, span=span)
 
 
 def repair_all(
@@ -203,6 +208,32 @@ class _Poser:
             partner=wish.partner,
             training=self.training,
         )
+
+
+def nearby(
+    take: Take, span: Span, masked: Iterable[tuple[str, Span]]
+) -> tuple[Take, int, list[tuple[str, Span]]]:
+    """Cut out of a long take what methods look at, so that one span costs the same in any take.
+
+    Returns
+    -------
+    The part of the take, its first frame in the take, and the masked spans in frames of it.
+    """
+    part = span.padded(REACH, take.n_frames)
+    if len(part) == take.n_frames or span.stop > take.n_frames:
+        return take, 0, list(masked)
+    inside = [
+        (label, Span(max(hidden.start, part.start), min(hidden.stop, part.stop)))
+        for label, hidden in masked
+        if hidden.overlaps(part)
+    ]
+    cut = take.with_positions(take.positions[part.frames])
+    return cut, part.start, [(label, moved(hidden, -part.start)) for label, hidden in inside]
+
+
+def moved(span: Span, frames: int) -> Span:
+    """Shift a span in time."""
+    return Span(span.start + frames, span.stop + frames)
 
 
 def pose(

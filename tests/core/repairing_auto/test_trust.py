@@ -112,3 +112,17 @@ def test_rows_come_one_by_one_and_refusals_say_why(walk):
 def test_unknown_names_are_said(walk):
     with pytest.raises(UnknownName, match="no_such"):
         compare(walk, "THIGH2", SPAN, ("no_such",))
+
+
+def test_a_span_of_a_long_take_is_compared_in_frames_of_the_take(walk):
+    long = walk.with_positions(np.tile(walk.positions, (9, 1, 1)))
+    span, hidden = Span(6620, 6650), ("THIGH3", Span(6600, 6660))
+    found = compare(long, "THIGH2", span, ("rlk", "linear"), masked=[hidden])
+    assert all(row.repair.span == span for row in found.rows)
+    assert all(f.span.overlaps(span.padded(5, long.n_frames)) for row in found.rows
+               for f in row.checks.artefacts)  # fmt: skip
+    alone = repair(long, "THIGH2", span, "rlk", masked=[hidden])
+    assert alone.span == span
+    np.testing.assert_allclose(alone.values, found.row("rlk").repair.values, atol=1e-9)
+    bare = repair(long, "THIGH2", span, "rlk")
+    assert np.abs(alone.values - bare.values).max() > 1e-6
