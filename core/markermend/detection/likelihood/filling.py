@@ -37,10 +37,8 @@ def bridged(residual: FloatArray, flagged: BoolArray) -> FloatArray:
         end = 1 if len(span) <= _END else _END
         before = np.flatnonzero(good[: span.start])[-end:]
         after = np.flatnonzero(good[span.stop :])[:end] + span.stop
-        left = np.median(residual[before], axis=0) if len(before) else None
-        right = np.median(residual[after], axis=0) if len(after) else None
-        left = right if left is None else left
-        right = left if right is None else right
+        left = np.median(residual[before if len(before) else after], axis=0)
+        right = np.median(residual[after if len(after) else before], axis=0)
         share = (np.arange(span.start, min(span.stop, n)) - span.start + 1) / (len(span) + 1)
         out[span.frames] = left + (right - left) * share[:, None]
     return out

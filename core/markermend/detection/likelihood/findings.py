@@ -1,13 +1,14 @@
 """From candidates in windows to findings of a take, with the evidence that an operator sees."""
 
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from markermend.detection.likelihood import templates
 from markermend.detection.likelihood.calibration import probability
-from markermend.detection.likelihood.sharp import LEAST, Candidate
-from markermend.detection.likelihood.swaps import Swap
+from markermend.detection.likelihood.sharp import Candidate
+from markermend.detection.likelihood.swaps import LEAST_MM, Swap
 from markermend.detection.likelihood.window import SHORTEST, Scan, Settings, scan_window
 from markermend.model import AXES, Evidence, Finding, FloatArray, Span, Take
 
@@ -16,9 +17,34 @@ _CONTEXT = 60  # frames of evidence on each side
 _AXIS_SHARE = 0.4  # of the amplitude, from which an axis is named
 
 
-def detect_all(take: Take, settings: Settings) -> tuple[Finding, ...]:
-    """Scan the take in overlapping windows; each finding counts in the window that owns it."""
-    findings: list[Finding] = []
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """One window of a take, scanned.
+
+    Attributes
+    ----------
+    start
+        Its first frame.
+    low, high
+        Frames in which the middle of a finding has to lie for this window to own it.
+    labels
+        Names of the markers on the axes of `points` and `scan`.
+    points
+        (n, n_markers, 3) mm as recorded; a third axis of zeros in two dimensions.
+    scan
+        What was found.
+    """
+
+    start: int
+    low: float
+    high: float
+    labels: tuple[str, ...]
+    points: FloatArray
+    scan: Scan
+
+
+def scanned(take: Take, settings: Settings) -> Iterator[Piece]:
+    """Scan the take window by window; one is held at a time."""
     for start, stop, low, high in _windows(take.n_frames):
         part = take.positions[start:stop, take.measured]
         shown = np.flatnonzero(np.isfinite(part[:, :, 0]).sum(0) >= SHORTEST)
@@ -27,13 +53,23 @@ def detect_all(take: Take, settings: Settings) -> tuple[Finding, ...]:
         points = np.zeros((stop - start, len(shown), 3))
         points[:, :, : take.n_dims] = part[:, shown]
         points[np.isnan(points[:, :, 0])] = np.nan
-        scan = scan_window(points, settings)
-        labels = [take.labels[take.measured[i]] for i in shown]
-        made = [_finding(c, scan, points, labels, start, take) for c in scan.candidates]
-        for swap in scan.swaps:
-            made += _swapped(swap, scan, points, labels, start, take)
-        findings += [f for f in made if low <= (f.span.start + f.span.stop) / 2 < high]
+        labels = tuple(take.labels[take.measured[i]] for i in shown)
+        yield Piece(start, low, high, labels, points, scan_window(points, settings))
+
+
+def detect_all(take: Take, settings: Settings) -> tuple[Finding, ...]:
+    """Scan the take in overlapping windows; each finding counts in the window that owns it."""
+    findings: list[Finding] = []
+    for piece in scanned(take, settings):
+        made = [_finding(c, piece, take) for c in piece.scan.candidates]
+        for swap in piece.scan.swaps:
+            made += _swapped(swap, piece, take)
+        findings += [f for f in made if piece.low <= _middle(f.span) < piece.high]
     return _grouped(findings)
+
+
+def _middle(span: Span) -> float:
+    return (span.start + span.stop) / 2
 
 
 def _windows(n_frames: int) -> list[tuple[int, int, float, float]]:
@@ -46,9 +82,8 @@ def _windows(n_frames: int) -> list[tuple[int, int, float, float]]:
     return [(int(s), int(s) + _WINDOW, cuts[i], cuts[i + 1]) for i, s in enumerate(starts)]
 
 
-def _finding(
-    c: Candidate, scan: Scan, points: FloatArray, labels: list[str], offset: int, take: Take
-) -> Finding:
+def _finding(c: Candidate, piece: Piece, take: Take) -> Finding:
+    scan, points, offset = piece.scan, piece.points, piece.start
     deviation = scan.final[c.marker] if c.kind == "slow" else scan.residual[c.marker]
     n = len(deviation)
     low, high = max(0, c.start - _CONTEXT), min(n, c.stop + _CONTEXT)
@@ -82,7 +117,7 @@ def _finding(
         template=template,
     )
     return Finding(
-        marker=labels[c.marker],
+        marker=piece.labels[c.marker],
         span=Span(offset + c.start, offset + c.stop),
         kind=c.kind,
         score=probability(c.kind, c.strength),
@@ -99,45 +134,43 @@ def _shape(c: Candidate) -> FloatArray:
     return templates.triangle_template(length)[:length] if c.kind == "slow" else np.ones(length)
 
 
-def _swapped(
-    swap: Swap, scan: Scan, points: FloatArray, labels: list[str], offset: int, take: Take
-) -> list[Finding]:
+def _swapped(swap: Swap, piece: Piece, take: Take) -> list[Finding]:
+    """Give a step on each of two exchanged markers, with the other as partner."""
     findings = []
+    points, offset = piece.points, piece.start
+    low, high = max(0, swap.start - _CONTEXT), min(len(points), swap.stop + _CONTEXT)
+    inside = np.zeros(high - low, bool)
+    inside[swap.start - low : swap.stop - low] = True
     for marker, other in ((swap.first, swap.second), (swap.second, swap.first)):
-        low, high = max(0, swap.start - _CONTEXT), min(len(points), swap.stop + _CONTEXT)
-        expected = scan.predicted[low:high, marker]
-        away = points[low:high, marker] - expected
+        expected = piece.scan.predicted[low:high, marker]
+        away = np.nan_to_num(points[low:high, marker] - expected)
         signal = np.sqrt((away**2).sum(1))
-        inside = slice(swap.start - low, swap.stop - low)
-        amplitude = float(np.nanmedian(signal[inside]))
-        sizes = np.abs(np.nanmedian(away[inside], axis=0))
-        template = np.zeros(high - low)
-        template[inside] = amplitude
+        amplitude = float(np.median(signal[inside]))
+        sizes = np.abs(np.median(away[inside], axis=0))
+        axes = [AXES[i] for i in range(take.n_dims) if sizes[i] >= _AXIS_SHARE * sizes.max()]
+        partner = piece.labels[other]
+        evidence = Evidence(
+            name=f"distance from where the neighbours put it, once exchanged with {partner}",
+            start=offset + low,
+            signal=signal,
+            threshold=LEAST_MM,
+            usual=float(np.median(signal[~inside])) if not inside.all() else 0.0,
+            unit=take.units,
+            prediction=expected[:, : take.n_dims],
+            template=np.where(inside, amplitude, 0.0),
+        )
         findings.append(
             Finding(
-                marker=labels[marker],
+                marker=piece.labels[marker],
                 span=Span(offset + swap.start, offset + swap.stop),
                 kind="step",
                 score=probability("swap", swap.strength),
-                axes=tuple(
-                    AXES[i] for i in range(take.n_dims) if sizes[i] >= _AXIS_SHARE * sizes.max()
-                ),
+                axes=tuple(axes),
                 amplitude=amplitude,
                 detector="likelihood",
                 strength=swap.strength,
-                partner=labels[other],
-                evidence=Evidence(
-                    name=f"distance from where the neighbours put it, once exchanged with {labels[other]}",
-                    start=offset + low,
-                    signal=signal,
-                    threshold=amplitude / max(swap.strength, LEAST),
-                    usual=float(np.nanmedian(np.delete(signal, np.r_[inside])))
-                    if len(signal) > inside.stop - inside.start
-                    else 0.0,
-                    unit=take.units,
-                    prediction=expected[:, : take.n_dims],
-                    template=template,
-                ),
+                partner=partner,
+                evidence=evidence,
             )
         )
     return findings

@@ -69,7 +69,8 @@ def learnt_scale(
             + np.linalg.solve(each + np.diag(_SHRINK * variance + 1e-9), right[..., None])[..., 0]
         )
     fitted = level[:, None] + np.einsum("mtp,mp->mt", X - centre[:, None], pooled + own)
-    return np.exp(fitted)
+    typical: FloatArray = np.exp(fitted)
+    return typical
 
 
 def speeds(positions: FloatArray, rate: float, width: int) -> FloatArray:

@@ -42,7 +42,9 @@ class Witness:
 
     def score(self, template: int = 0) -> FloatArray:
         """(n_markers, n_frames): normalised scores."""
-        return templates.score(self.N[template], self.q[template]) / self.usual[template]
+        z: FloatArray = templates.score(self.N[template], self.q[template])
+        normalised: FloatArray = z / self.usual[template]
+        return normalised
 
 
 def witness(whitened: Whitened, valid: BoolArray) -> Witness:
@@ -150,9 +152,12 @@ def _of_marker(
             break
         around = slice(max(0, t - _NEAR_JUMP), t + k + 1 + _NEAR_JUMP)
         jump, box = (
-            sum(
-                _raw(N[j, :, part], w.q[j, rows]) ** 2
-                for N, w in zip(left, witnesses, strict=True)
+            np.sum(
+                [
+                    _raw(N[j, :, part], w.q[j, rows]) ** 2
+                    for N, w in zip(left, witnesses, strict=True)
+                ],
+                axis=0,
             ).max()
             for j, part in ((LONGEST, around), (k, slice(t, t + 1)))
         )

@@ -1,6 +1,7 @@
 """Predict each marker from its neighbours; no frame takes part in predicting itself."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from markermend.model import BoolArray, FloatArray
 CHOICES = ((3, 3), (4, 6), (3, 10), (4, 16))
 MOST_NEIGHBOURS = max(n for _, n in CHOICES)
 
+# Frames at 100 Hz; `pace` is the rate over 100 Hz.
 _HALF_BLOCK = 40  # a fold is two half blocks, trained without these and the half block on each side
 _FADE = 30  # frames over which the predictions of two folds are blended
 _RIDGE_MM = 0.5  # ridge as the noise, per feature and frame, that it stands for
@@ -55,6 +57,8 @@ class Model:
         (n_folds, 3 * n_features, 3).
     bounds
         (n_folds + 1,): first frames of the folds, and the end.
+    fade
+        Frames over which the predictions of two folds are blended.
     """
 
     marker: int
@@ -63,6 +67,7 @@ class Model:
     origin: FloatArray
     coefficients: FloatArray
     bounds: NDArray[np.intp]
+    fade: int
 
     def residual(self, positions: FloatArray, start: int) -> FloatArray:
         """Give observed minus predicted in local axes, for a stretch of other positions.
@@ -76,7 +81,7 @@ class Model:
         """
         turn, centre = self.carrier.follow(positions)
         local = _local(positions, self.features, self.marker, turn, centre) - self.origin
-        shares = _shares(self.bounds, start, start + len(positions))
+        shares = _shares(self.bounds, self.fade, start, start + len(positions))
         predicted = np.zeros((len(positions), 3))
         for fold, share in shares:
             predicted += share[:, None] * (local[:, :-3] @ self.coefficients[fold])
@@ -128,7 +133,11 @@ class _View:
 
 
 def predict_marker(
-    positions: FloatArray, trusted: BoolArray, marker: int, neighbours: NDArray[np.intp]
+    positions: FloatArray,
+    trusted: BoolArray,
+    marker: int,
+    neighbours: NDArray[np.intp],
+    pace: float = 1.0,
 ) -> Prediction:
     """Predict one marker in the frame of reference and from the neighbours that suit it best.
 
@@ -142,8 +151,12 @@ def predict_marker(
         Index.
     neighbours
         Indices of the others, steadiest first; at least 3.
+    pace
+        Rate over 100 Hz.
     """
     most = len(neighbours)
+    fade = max(2, round(_FADE * pace))
+    half_block = max(4, round(_HALF_BLOCK * pace))
     choices = dict.fromkeys((min(k, most), min(n, most)) for k, n in CHOICES)
     weight = trusted[:, marker].astype(np.float64)
     views: dict[int, _View] = {}
@@ -152,8 +165,8 @@ def predict_marker(
     for k, n in choices:
         if k not in views:
             widest = max(m for j, m in choices if j == k)
-            views[k] = _view(positions, marker, neighbours[:k], neighbours[:widest])
-            grams[k] = _Grams(views[k].detrended, weight)
+            views[k] = _view(positions, marker, neighbours[:k], neighbours[:widest], pace)
+            grams[k] = _Grams(views[k].detrended, weight, half_block)
         error = grams[k].error(3 * n)
         if best is None or error < _BETTER * best[0]:
             best = (error, k, n)
@@ -162,16 +175,18 @@ def predict_marker(
     view = views[k]
     keep = np.r_[0 : 3 * n, view.local.shape[1] - 3 : view.local.shape[1]]
     local, detrended = view.local[:, keep], view.detrended[:, keep]
-    coefficients, inverse = _Grams(detrended, grams[k].reweighted(3 * n)).folds(3 * n)
+    coefficients, inverse = _Grams(detrended, grams[k].reweighted(3 * n), half_block).folds(3 * n)
     bounds = grams[k].bounds[::2]
     predicted, leverage = np.zeros((len(local), 3)), np.zeros(len(local))
-    for i, share in _shares(bounds, 0, len(local)):
+    for i, share in _shares(bounds, fade, 0, len(local)):
         part = np.flatnonzero(share)
         part_of = slice(part[0], part[-1] + 1)
         F = detrended[part_of, :-3]
         predicted[part_of] += share[part_of, None] * (local[part_of, :-3] @ coefficients[i])
         leverage[part_of] += share[part_of] * ((F @ inverse[i]) * F).sum(1)
-    model = Model(marker, neighbours[:n], view.carrier, view.origin[keep], coefficients, bounds)
+    model = Model(
+        marker, neighbours[:n], view.carrier, view.origin[keep], coefficients, bounds, fade
+    )
     return Prediction(model, local[:, -3:] - predicted, view.turn, leverage)
 
 
@@ -198,11 +213,16 @@ def _local(
     """Local coordinates of the features and, last, of the marker: (n_frames, 3 * k + 3)."""
     points = positions[:, np.append(features, marker)] - centre[:, None]
     turned = np.matmul(points, turn.transpose(2, 1, 0))
-    return turned.reshape(len(turned), -1)
+    flat: FloatArray = turned.reshape(len(turned), -1)
+    return flat
 
 
 def _view(
-    positions: FloatArray, marker: int, carriers: NDArray[np.intp], features: NDArray[np.intp]
+    positions: FloatArray,
+    marker: int,
+    carriers: NDArray[np.intp],
+    features: NDArray[np.intp],
+    pace: float,
 ) -> _View:
     carrier = _carrier(positions, carriers)
     turn, centre = carrier.follow(positions)
@@ -210,7 +230,7 @@ def _view(
     origin = np.median(local[:: max(1, len(local) // 300)], axis=0)
     local = local - origin
     trend = local
-    width = min(_TREND, max(1, len(local) // 2 * 2 - 1))
+    width = min(max(3, 2 * round(_TREND * pace / 2) + 1), max(1, len(local) // 2 * 2 - 1))
     for _ in range(3):
         trend = uniform_filter1d(trend, width, axis=0, mode="nearest")
     return _View(carrier, turn, origin, local, local - trend)
@@ -222,9 +242,9 @@ class _Grams:
     The last three columns of the data are the target.
     """
 
-    def __init__(self, data: FloatArray, weight: FloatArray) -> None:
+    def __init__(self, data: FloatArray, weight: FloatArray, half_block: int) -> None:
         n = len(data)
-        halves = max(2, round(n / _HALF_BLOCK / 2) * 2)
+        halves = max(2, round(n / half_block / 2) * 2)
         self.bounds = np.linspace(0, n, halves + 1).astype(np.intp)
         self.weight = weight
         lengths = np.diff(self.bounds)
@@ -251,7 +271,8 @@ class _Grams:
         ridge = _RIDGE_MM**2 * max(float(self.weight.sum()), 1.0)
         solved = np.linalg.solve(self.left[:, :p, :p] + ridge * np.eye(p), self.left[:, :p, -3:])
         rest = self.data[:, :, -3:] - np.matmul(self.data[:, :, :p], np.repeat(solved, 2, axis=0))
-        return np.sqrt((rest * rest).sum(2))
+        norms: FloatArray = np.sqrt((rest * rest).sum(2))
+        return norms
 
     def error(self, p: int) -> float:
         """Left-out error with p features, mm, hardly moved by artefacts."""
@@ -271,14 +292,16 @@ class _Grams:
         return out
 
 
-def _shares(bounds: NDArray[np.intp], start: int, stop: int) -> list[tuple[int, FloatArray]]:
+def _shares(
+    bounds: NDArray[np.intp], fade: int, start: int, stop: int
+) -> list[tuple[int, FloatArray]]:
     """How much each fold counts in frames start to stop; shares of a frame add up to 1."""
     t = np.arange(start, stop)
     last = len(bounds) - 2
     found = []
-    for i, (a, b) in enumerate(zip(bounds[:-1], bounds[1:], strict=True)):
-        left = np.ones(len(t)) if i == 0 else (t - a + _FADE + 0.5) / (2 * _FADE)
-        right = np.ones(len(t)) if i == last else (b + _FADE - t - 0.5) / (2 * _FADE)
+    for i, (a, b) in enumerate(pairwise(bounds.tolist())):
+        left = np.ones(len(t)) if i == 0 else (t - a + fade + 0.5) / (2 * fade)
+        right = np.ones(len(t)) if i == last else (b + fade - t - 0.5) / (2 * fade)
         share = np.clip(np.minimum(left, right), 0.0, 1.0)
         if share.any():
             found.append((i, share))

@@ -12,7 +12,7 @@ QUARTILE_OF_CHI3 = 1.101
 def rolling_quantile(
     values: FloatArray, valid: BoolArray, half: int, quantile: float, stride: int
 ) -> FloatArray:
-    """Quantile of the valid values within +-`half` frames, on every `stride`-th frame, interpolated.
+    """Quantile of the valid values around each frame, on every `stride`-th one, interpolated.
 
     Where no value is valid within the window, that of the whole series is taken.
 

@@ -12,9 +12,10 @@ from markermend.detection.likelihood.sharp import LEAST, Candidate
 from markermend.detection.likelihood.whitening import Whitened
 from markermend.model import BoolArray, FloatArray
 
-LENGTHS = (33, 41, 51, 63, 79)  # frames at 100 Hz
+# Frames at 100 Hz; `pace` is the rate over 100 Hz.
+LENGTHS = (33, 41, 51, 63, 79)
 _BOXES = (12, 20, 30, 45, 65)
-_AROUND = 50  # frames within which nothing much may be left
+_AROUND = 50  # within these nothing much may be left
 _MOST_BOX = 1.0  # a box of any length that scores higher is no triangle
 _MOST_LABELLED = 0.3
 _QUANTILE_POWER = 0.7
@@ -65,14 +66,19 @@ class Hill:
         return 3 * both > min(self.length, other.length)
 
 
-def scan(whitened: Whitened) -> Triangles:
+def lengths(pace: float) -> tuple[int, ...]:
+    """Odd numbers of frames."""
+    return tuple(sorted({max(5, 2 * round(L * pace / 2) + 1) for L in LENGTHS}))
+
+
+def scan(whitened: Whitened, pace: float) -> Triangles:
     """Score triangles of all lengths, centred on every frame where they fit."""
     total = templates.sums(whitened)
     n = whitened.g.shape[1]
     best = np.zeros((len(total) // 3, n))
-    length = np.full(best.shape, LENGTHS[0])
-    for L in LENGTHS:
-        if L > n:
+    length = np.full(best.shape, lengths(pace)[0])
+    for L in lengths(pace):
+        if n < L:
             continue
         shape = templates.triangle_template(L)
         z = templates.score(templates.triangles(total, L), whitened.energy(shape))
@@ -83,25 +89,39 @@ def scan(whitened: Whitened) -> Triangles:
     return Triangles(best, length)
 
 
-def normalised(score: FloatArray, scale: FloatArray, valid: BoolArray) -> FloatArray:
-    """Score over its learnt scale, markers with heavier tails held back."""
-    u = score / np.maximum(scale, 0.5)
+def held_back(score: FloatArray, scale: FloatArray, valid: BoolArray) -> FloatArray:
+    """(n_markers, n_frames): the learnt scale, larger for markers with heavier tails."""
+    scale = np.maximum(scale, 0.5)
+    u = score / scale
     tail = np.array(
         [np.quantile(row[v], 0.98) if v.any() else 1.0 for row, v in zip(u, valid, strict=True)]
     )
     factor = (tail / np.median(tail)) ** _QUANTILE_POWER
-    return np.where(valid, u / np.maximum(factor, 0.3)[:, None], 0.0)
+    held: FloatArray = scale * np.maximum(factor, 0.3)[:, None]
+    return held
+
+
+def needed(whitened: Whitened, scale: FloatArray, threshold: float, pace: float) -> FloatArray:
+    """(n_markers, n_frames) mm: amplitude of a triangle of usual length that would just be found.
+
+    Its direction is taken as unknown: the energies of the three axes are averaged.
+    """
+    shape = templates.triangle_template(lengths(pace)[len(lengths(pace)) // 2])
+    energy = whitened.energy(shape).reshape(-1, 3).mean(1)
+    amplitude: FloatArray = threshold * scale / np.sqrt(energy)[:, None]
+    return amplitude
 
 
 def find_slow(
     whitened: Whitened,
-    u: FloatArray,
+    scale: FloatArray,
     triangles: Triangles,
     labelled: BoolArray,
     predictions: Mapping[int, Prediction],
     positions: FloatArray,
     threshold: float,
     least_mm: float,
+    pace: float,
 ) -> list[Candidate]:
     """Triangles that stand out, leave little behind when taken out, and are no echo.
 
@@ -109,8 +129,8 @@ def find_slow(
     ----------
     whitened
         Residuals, three series per marker.
-    u, triangles
-        From `normalised` and `scan`.
+    scale, triangles
+        From `held_back` and `scan`.
     labelled
         (n_markers, n_frames): frames explained by other kinds, or not seen.
     predictions, positions
@@ -119,9 +139,12 @@ def find_slow(
         Value that has to be passed.
     least_mm
         Smallest amplitude.
+    pace
+        Rate over 100 Hz.
     """
+    u = triangles.score / scale
     kept: list[Hill] = []
-    hills = _hills(whitened, u, triangles, labelled, LEAST * threshold, least_mm)
+    hills = _hills(whitened, u, triangles, labelled, LEAST * threshold, least_mm, pace)
     for hill in sorted(hills, key=lambda h: (-h.value, h.marker, h.start)):
         rivals = [k for k in kept if k.marker != hill.marker and k.overlaps(hill)]
         wins = True
@@ -151,9 +174,10 @@ def _hills(
     labelled: BoolArray,
     least: float,
     least_mm: float,
+    pace: float,
 ) -> list[Hill]:
     u = u.copy()
-    hills = []
+    hills: list[Hill] = []
     while True:
         m, t = (int(i) for i in np.unravel_index(int(u.argmax()), u.shape))
         value = float(u[m, t])
@@ -164,12 +188,12 @@ def _hills(
         u[m, max(0, start - _MASKED) : start + L + _MASKED] = 0.0
         if labelled[m, start : start + L].mean() > _MOST_LABELLED:
             continue
-        hill = _taken_out(whitened, m, start, L, value)
+        hill = _taken_out(whitened, m, start, L, value, pace)
         if hill.value >= least and np.sqrt((hill.size**2).sum()) >= least_mm:
             hills.append(hill)
 
 
-def _taken_out(whitened: Whitened, marker: int, start: int, L: int, u: float) -> Hill:
+def _taken_out(whitened: Whitened, marker: int, start: int, L: int, u: float, pace: float) -> Hill:
     """Fit the triangle, take it out, and see what is left and whether a box does better."""
     rows = slice(3 * marker, 3 * marker + 3)
     one = Whitened(whitened.g[rows], whitened.weight[rows], whitened.size)
@@ -182,10 +206,11 @@ def _taken_out(whitened: Whitened, marker: int, start: int, L: int, u: float) ->
     answer = np.roll(answer, start, axis=1)[:, :n]
     rest = Whitened(one.g - (N / q)[:, None] * answer, one.weight, one.size)
     middle = start + L // 2
-    around = scan(rest).score[0, max(0, middle - _AROUND) : middle + _AROUND + 1]
+    reach = round(_AROUND * pace)
+    around = scan(rest, pace).score[0, max(0, middle - reach) : middle + reach + 1]
     left = float(around.max()) / score
     total = templates.sums(one)
-    for length in _BOXES:
+    for length in (max(2, round(L * pace)) for L in _BOXES):
         if length < n:
             z = templates.score(templates.boxes(total, length), one.energy(np.ones(length)))[0]
             if z[max(0, start - length // 2) : start + L].max(initial=0.0) > _MOST_BOX * score:

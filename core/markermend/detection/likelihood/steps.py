@@ -156,7 +156,8 @@ def _edges(own: Jumps, residual: Jumps, marker: int, share: FloatArray, least: f
             np.sqrt((N[:, part] ** 2 / e[:, None]).sum(0)) / u[part]
             for N, e, u in zip(left, q, usual, strict=True)
         ]
-        return np.minimum(*z) * share[part]
+        joined: FloatArray = np.minimum(*z) * share[part]
+        return joined
 
     now = score(slice(0, n))
     edges: list[Edge] = []

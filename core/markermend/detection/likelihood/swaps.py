@@ -52,9 +52,9 @@ def exchanges(positions: FloatArray, seen: BoolArray) -> list[tuple[int, int, in
     for shift in (1, 2, 3):
         known[shift:] &= seen[:-shift]
     hot = known & (miss > LEAST_MM)
-    found = []
-    for t in np.flatnonzero(hot.sum(1) >= 2):
-        markers = np.flatnonzero(hot[t])
+    found: list[tuple[int, int, int, float]] = []
+    for t in np.flatnonzero(hot.sum(1) >= 2).tolist():
+        markers = np.flatnonzero(hot[t]).tolist()
         best: list[tuple[float, int, int]] = []
         for i, a in enumerate(markers):
             for b in markers[i + 1 :]:
@@ -73,12 +73,12 @@ def exchanges(positions: FloatArray, seen: BoolArray) -> list[tuple[int, int, in
                         + _gap(positions[t - 1, a], behind[t - 1, b]),
                     )
                 if swapped < _RATIO * kept:
-                    best.append((_RATIO * kept / max(swapped, 1e-3), int(a), int(b)))
+                    best.append((_RATIO * kept / max(swapped, 1e-3), a, b))
         used: set[int] = set()
         for strength, a, b in sorted(best, reverse=True):
             if a not in used and b not in used:
                 used |= {a, b}
-                found.append((int(t), a, b, strength))
+                found.append((t, a, b, strength))
     return found
 
 

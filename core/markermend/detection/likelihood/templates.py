@@ -58,4 +58,5 @@ def triangles(total: FloatArray, length: int) -> FloatArray:
 def score(N: FloatArray, q: FloatArray) -> FloatArray:
     """Join the three axes of every marker: sqrt(sum N^2 / q), (n_markers, n)."""
     z2 = N * N / q[:, None]
-    return np.sqrt(z2.reshape(-1, 3, N.shape[1]).sum(1))
+    joined: FloatArray = np.sqrt(z2.reshape(-1, 3, N.shape[1]).sum(1))
+    return joined

@@ -34,7 +34,9 @@ class Whitened:
     def energy(self, template: FloatArray) -> FloatArray:
         """(n_series,): energy q of a template; the squared statistic is N^2 / q."""
         spectrum = np.abs(fft.rfft(template, self.size)) ** 2
-        return (self.weight * spectrum[None]).sum(1) * 2.0 / self.size
+        spectrum[1 : (self.size + 1) // 2] *= 2.0  # bins that stand for two frequencies
+        energies: FloatArray = self.weight @ spectrum / self.size
+        return energies
 
 
 def noise_spectrum(series: FloatArray, floor: float, size: int, steps: int = 1) -> FloatArray:

@@ -52,8 +52,9 @@ class Scan:
         sharp artefacts were taken out.
     predicted
         (n_frames, n_markers, 3) mm: where the neighbours put each marker.
-    null
-        (n_markers, n_frames): learnt scale of the slow score, or None with too few markers.
+    needed
+        (n_markers, n_frames) mm: amplitude that a slow change would need, or None with too few
+        markers.
     """
 
     candidates: list[Candidate]
@@ -61,6 +62,7 @@ class Scan:
     residual: FloatArray
     final: FloatArray
     predicted: FloatArray
+    needed: FloatArray | None
 
 
 def scan_window(recorded: FloatArray, settings: Settings) -> Scan:
@@ -81,9 +83,11 @@ def scan_window(recorded: FloatArray, settings: Settings) -> Scan:
     neighbours = steadiest(dense, seen, MOST_NEIGHBOURS)
     alone = n_markers < FEWEST
 
+    pace = settings.rate / 100.0
+
     def predict(markers: NDArray[np.intp], positions: FloatArray, good: BoolArray) -> None:
         for m in markers.tolist():
-            predictions[m] = predict_marker(positions, good, m, neighbours[m])
+            predictions[m] = predict_marker(positions, good, m, neighbours[m], pace)
 
     predictions: dict[int, Prediction] = {}
     valid = ~binary_dilation(~seen.T, _widened(3))  # a gap's neighbours in time are no witness
@@ -124,7 +128,7 @@ def scan_window(recorded: FloatArray, settings: Settings) -> Scan:
     found += stepped
     raw = residual if alone else _lab(predictions, residual)
     predicted = dense - raw.transpose(1, 0, 2)
-    final = calm
+    final, needed = calm, None
     if not alone:
         bulky = [c for c in found if c.strength >= 1 and c.kind in ("noise", "step")]
         for c in stepped:
@@ -144,9 +148,10 @@ def scan_window(recorded: FloatArray, settings: Settings) -> Scan:
         predict(np.array(again, int), clean, good)
         for m in again:
             calm[m] = bridged(predictions[m].residual, ~good[:, m])
-        found += _slow(calm, clean, predictions, neighbours, good.T, settings)
+        hills, needed = _slow(calm, clean, predictions, neighbours, good.T, settings)
+        found += hills
         final = _lab(predictions, calm)
-    return Scan(found, swaps, raw, final, predicted)
+    return Scan(found, swaps, raw, final, predicted, needed)
 
 
 def _widened(frames: int) -> BoolArray:
@@ -225,16 +230,27 @@ def _slow(
     neighbours: NDArray[np.intp],
     good: BoolArray,
     settings: Settings,
-) -> list[Candidate]:
+) -> tuple[list[Candidate], FloatArray]:
+    pace = settings.rate / 100.0
     whitened = whiten(_series(residual), settings.floor, 1)
-    best = slow.scan(whitened)
+    best = slow.scan(whitened, pace)
     valid = best.score > 0
-    mates = np.median(speeds(positions, settings.rate, 31)[neighbours[:, :4]], axis=1)
+    width = max(3, round(31 * pace))
+    mates = np.median(speeds(positions, settings.rate, width)[neighbours[:, :4]], axis=1)
     leverage = np.array([predictions[m].leverage for m in range(len(residual))])
-    leverage = uniform_filter1d(leverage, 21, axis=1, mode="nearest")
-    usual = rolling_quantile(best.score, valid, 200, 0.5, 20)
+    leverage = uniform_filter1d(leverage, width, axis=1, mode="nearest")
+    usual = rolling_quantile(best.score, valid, round(200 * pace), 0.5, 20)
     covariates = (mates + 5.0, leverage + 1e-4, usual + 0.2)
-    u = slow.normalised(best.score, learnt_scale(best.score, covariates, valid & good), valid)
-    return slow.find_slow(
-        whitened, u, best, ~good, predictions, positions, settings.slow, settings.least_slow
+    scale = slow.held_back(best.score, learnt_scale(best.score, covariates, valid & good), valid)
+    found = slow.find_slow(
+        whitened,
+        scale,
+        best,
+        ~good,
+        predictions,
+        positions,
+        settings.slow,
+        settings.least_slow,
+        pace,
     )
+    return found, slow.needed(whitened, scale, settings.slow, pace)

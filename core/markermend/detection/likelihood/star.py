@@ -1,0 +1,95 @@
+"""A check without any model: one marker's distances jump while its mates keep theirs.
+
+Recordings that are called clean are not always. Where the distances from one marker to its mates
+change from one frame to the next, and the distances among the mates do not, no movement of the body
+has done it. The check shows beside false alarms how many of them are none.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from markermend.detection.likelihood.filling import interpolated
+from markermend.detection.likelihood.neighbours import steadiest
+from markermend.model import Finding, FloatArray, Take
+
+_MATES = 5
+_RATIO = 4.0  # how much larger the marker's change must be than that among its mates
+_LAG = 2  # frames on each side that say how distances change anyway
+
+
+@dataclass(frozen=True)
+class StarJump:
+    """All distances of one marker jump just before `frame`.
+
+    Attributes
+    ----------
+    marker, frame
+        Where.
+    jump_mm
+        Median over the mates of how much the distance to them jumps.
+    mates_mm
+        The same among the mates themselves.
+    """
+
+    marker: str
+    frame: int
+    jump_mm: float
+    mates_mm: float
+
+
+def star_jumps(take: Take, least_mm: float = 2.0) -> tuple[StarJump, ...]:
+    """Find single-frame jumps of one marker against mates that keep their mutual distances.
+
+    Parameters
+    ----------
+    take
+        The take; its measured markers that are ever seen.
+    least_mm
+        Smallest jump that counts.
+    """
+    shown = [int(m) for m in take.measured if take.seen[:, m].any()]
+    if len(shown) < 4 or take.n_frames < 2 * _LAG + 2:
+        return ()
+    seen = take.seen[:, shown]
+    points = interpolated(take.positions[:, shown], seen)
+    mates = steadiest(points, seen, _MATES)
+    certain = seen.copy()
+    for lag in range(1, _LAG + 2):
+        certain[lag:] &= seen[:-lag]
+        certain[:-lag] &= seen[lag:]
+    found = []
+    for m, near in enumerate(mates):
+        own = np.median([_jumps(points[:, m], points[:, j]) for j in near], axis=0)
+        pairs = combinations(near.tolist(), 2)
+        among = np.median([_jumps(points[:, i], points[:, j]) for i, j in pairs], axis=0)
+        hot = (own >= least_mm) & (own > _RATIO * among) & certain[:, m]
+        found += [
+            StarJump(take.labels[shown[m]], int(t), float(own[t]), float(among[t]))
+            for t in np.flatnonzero(hot)
+        ]
+    return tuple(found)
+
+
+def confirmed(findings: Iterable[Finding], jumps: Iterable[StarJump]) -> frozenset[str]:
+    """Give the ids of the findings that a star jump confirms: on their marker, in or beside."""
+    frames: dict[str, list[int]] = {}
+    for jump in jumps:
+        frames.setdefault(jump.marker, []).append(jump.frame)
+    return frozenset(
+        f.id
+        for f in findings
+        if any(f.span.start - 1 <= t <= f.span.stop + 1 for t in frames.get(f.marker, ()))
+    )
+
+
+def _jumps(a: FloatArray, b: FloatArray) -> FloatArray:
+    """(n_frames,) mm: change of a distance before each frame, beyond its change around."""
+    step = np.diff(np.sqrt(((a - b) ** 2).sum(1)))
+    out = np.zeros(len(a))
+    inner = step[_LAG:-_LAG]
+    anyway = (step[: -2 * _LAG] + step[2 * _LAG :]) / 2
+    out[_LAG + 1 : len(a) - _LAG] = np.abs(inner - anyway)
+    return out
