@@ -2,12 +2,12 @@
 
 import math
 
-# Logistic curves p = 1 / (1 + exp(-(a + b log strength))), fitted by tests/bench/calibrate.py.
+# Logistic curves p = 1 / (1 + exp(-(a + b log strength))), fitted by tests/bench/calibrate_likelihood.py.
 CURVES = {
-    "peak": (2.0, 4.0),
-    "noise": (2.0, 2.0),
-    "step": (2.0, 4.0),
-    "slow": (0.5, 4.0),
+    "peak": (0.96, 7.99),
+    "noise": (-1.15, 6.18),
+    "step": (-0.23, 3.89),
+    "slow": (-1.20, 2.56),
     "swap": (3.0, 2.0),
 }
 

@@ -1,0 +1,238 @@
+"""Examples and laws of the whole detector on a small moving body."""
+
+import os
+import subprocess
+import sys
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from markermend.detection.likelihood.reach import smallest_slow_changes
+from markermend.detection.likelihood.star import confirmed, star_jumps
+from markermend.detection.likelihood.window import Settings
+from markermend.detection.run import detect, scan
+from markermend.model import Finding, Span, Take
+
+from .bodies import body
+
+TRUTH = (
+    ("m1", "peak", Span(100, 101)),
+    ("m3", "step", Span(150, 200)),
+    ("m5", "noise", Span(250, 300)),
+    ("m9", "slow", Span(400, 451)),
+    ("m9", "peak", Span(420, 421)),
+    ("m11", "peak", Span(520, 521)),
+)
+
+
+def spoilt() -> Take:
+    take = body()
+    x = np.array(take.positions)
+    rng = np.random.default_rng(5)
+    x[100, 1] += (0, 8, 0)
+    x[150:200, 3] += (9, 0, 0)
+    x[250:300, 5] += rng.normal(0, 6, (50, 3))
+    x[400:451, 9, 2] += 14 * (1 - np.abs(np.linspace(-1, 1, 53)[1:-1]))
+    x[420, 9] += (0, 12, 0)
+    x[520, 11] += (-7, 7, 0)
+    return take.with_positions(x)
+
+
+@cache
+def found() -> tuple[Finding, ...]:
+    return scan(spoilt(), "likelihood")
+
+
+def strong(findings: tuple[Finding, ...]) -> list[Finding]:
+    return [f for f in findings if f.strength >= 1.0 and f.kind != "gap"]
+
+
+def matches(findings: list[Finding], iou: float) -> list[tuple[str, str, Span]]:
+    return [
+        (marker, kind, span)
+        for marker, kind, span in TRUTH
+        if any(f.marker == marker and f.kind == kind and f.span.iou(span) >= iou for f in findings)
+    ]
+
+
+def test_every_kind_is_found_in_its_place_and_nothing_else() -> None:
+    assert matches(strong(found()), 0.7) == list(TRUTH)
+    assert len(strong(found())) == len(TRUTH)
+
+
+def test_sudden_kinds_are_exact_to_the_frame() -> None:
+    exact = {(f.marker, f.kind, f.span) for f in strong(found())}
+    for truth in TRUTH:
+        if truth[1] in ("peak", "step"):
+            assert truth in exact
+
+
+def test_a_peak_on_a_slow_change_shares_its_group() -> None:
+    groups = {f.kind: f.group for f in strong(found()) if f.marker == "m9"}
+    assert groups["peak"] == groups["slow"] is not None
+    assert all(f.group is None for f in strong(found()) if f.marker != "m9")
+
+
+def test_amplitudes_and_axes_are_those_put_in() -> None:
+    by = {(f.marker, f.kind): f for f in strong(found())}
+    assert by["m1", "peak"].amplitude == pytest.approx(8, abs=1.0)
+    assert by["m1", "peak"].axes == ("y",)
+    assert by["m3", "step"].amplitude == pytest.approx(9, abs=1.0)
+    assert by["m9", "slow"].amplitude == pytest.approx(14, abs=3.0)
+    assert by["m11", "peak"].axes == ("x", "y")
+
+
+def test_a_clean_body_gives_nothing() -> None:
+    assert strong(scan(body(), "likelihood")) == []
+
+
+def test_evidence_shows_signal_prediction_threshold_and_template() -> None:
+    for f in strong(found()):
+        evidence = f.evidence
+        assert evidence is not None
+        assert evidence.prediction is not None
+        assert evidence.signal.shape == (len(evidence.prediction),)
+        assert evidence.start <= f.span.start
+        assert f.span.stop <= evidence.start + len(evidence.signal)
+        inside = slice(f.span.start - evidence.start, f.span.stop - evidence.start)
+        assert np.abs(evidence.signal[inside]).max() > evidence.threshold > 0.0
+        assert (evidence.template is None) == (f.kind == "noise")
+
+
+def test_sensitivity_only_filters() -> None:
+    take = spoilt()
+    counts = [len(detect(take, "likelihood", sensitivity=s)) for s in (0.5, 1.0, 2.0)]
+    assert counts == sorted(counts)
+    assert all(0.5 <= f.strength for f in found())
+    ids = {f.id for f in detect(take, "likelihood", sensitivity=2.0)}
+    assert {f.id for f in strong(found())} <= ids
+
+
+@pytest.mark.parametrize("way", ["shift", "mirror", "rotation", "relabel"])
+def test_findings_do_not_depend_on_where_the_body_is(way: str) -> None:
+    take = spoilt()
+    x = np.array(take.positions)
+    labels = take.labels
+    if way == "shift":
+        x = x + (5000.0, -300.0, 12.0)
+    elif way == "mirror":
+        x = x * (-1, 1, 1)
+    elif way == "rotation":
+        x = x @ Rotation.from_rotvec((0.4, -1.0, 0.7)).as_matrix().T
+    else:
+        order = np.random.default_rng(3).permutation(x.shape[1])
+        x, labels = x[:, order], tuple(labels[i] for i in order)
+    assert matches(strong(scan(Take(x, take.rate, labels), "likelihood")), 0.7) == list(TRUTH)
+
+
+def test_findings_of_the_reversed_take_are_reversed() -> None:
+    take = spoilt()
+    back = strong(scan(take.with_positions(take.positions[::-1]), "likelihood"))
+    n = take.n_frames
+    turned = [
+        Finding(f.marker, Span(n - f.span.stop, n - f.span.start), f.kind) for f in back
+    ]
+    assert matches(turned, 0.6) == list(TRUTH)
+
+
+def test_gaps_hide_what_is_in_them_and_invent_nothing() -> None:
+    take = spoilt()
+    x = np.array(take.positions)
+    rng = np.random.default_rng(8)
+    for m in (0, 2, 4, 6, 8, 10, 12, 13):
+        start = int(rng.integers(0, 540))
+        x[start : start + int(rng.integers(1, 80)), m] = np.nan
+    x[:, 7] = np.nan
+    gappy = strong(scan(take.with_positions(x), "likelihood"))
+    assert matches(gappy, 0.6) == list(TRUTH)
+    assert len(gappy) <= len(TRUTH) + 1
+
+
+def test_a_swap_is_a_step_with_its_partner_on_both() -> None:
+    take = body()
+    x = np.array(take.positions)
+    x[200:260, [2, 10]] = x[200:260, [10, 2]]
+    steps = [f for f in strong(scan(take.with_positions(x), "likelihood")) if f.partner]
+    assert {(f.marker, f.partner, f.span) for f in steps} == {
+        ("m2", "m10", Span(200, 260)),
+        ("m10", "m2", Span(200, 260)),
+    }
+    assert all(f.kind == "step" for f in steps)
+
+
+@pytest.mark.parametrize(("frames", "markers"), [(1, 5), (20, 12), (250, 12), (300, 3), (300, 1)])
+def test_short_takes_and_few_markers_do_not_flood(frames: int, markers: int) -> None:
+    take = body(n_frames=max(frames, 30))
+    few = Take(take.positions[:frames, :markers], 100.0, take.labels[:markers])
+    assert len(strong(scan(few, "likelihood"))) <= 1
+
+
+def test_a_peak_is_found_without_any_neighbour() -> None:
+    take = body()
+    x = np.array(take.positions[:, :1])
+    x[200, 0, 0] += 15.0
+    alone = strong(scan(Take(x, 100.0, ["m0"]), "likelihood"))
+    assert [(f.kind, f.span) for f in alone] == [("peak", Span(200, 201))]
+
+
+def test_two_dimensions_work() -> None:
+    take = body()
+    x = np.array(take.positions[:, :7, :2])
+    x[300, 2] += (9.0, 0.0)
+    flat = Take(x, 100.0, take.labels[:7], units="px")
+    peaks = [f for f in strong(scan(flat, "likelihood")) if f.kind == "peak"]
+    assert [(f.marker, f.span, f.axes) for f in peaks] == [("m2", Span(300, 301), ("x",))]
+
+
+def test_long_takes_are_scanned_in_windows_without_doubles() -> None:
+    take = body(n_frames=5200, per_part=4)
+    x = np.array(take.positions)
+    for t in range(90, 5200, 230):
+        x[t, t % 8, 1] += 12.0
+    peaks = strong(scan(take.with_positions(x), "likelihood"))
+    assert [f.span.start for f in sorted(peaks, key=lambda f: f.span)] == list(range(90, 5200, 230))
+
+
+def test_the_reach_tells_what_would_be_seen() -> None:
+    take = body()
+    settings = Settings(take.rate, 0.15, 5.0, 1.0, 4.5, 2.6, 1.5)
+    table = {r.marker: r for r in smallest_slow_changes(take, settings)}
+    assert set(table) == set(take.labels)
+    for r in table.values():
+        assert 1.5 <= r.usual_mm <= r.fast_mm < 30.0
+    x = np.array(take.positions)
+    x[300:351, 4, 0] += 3 * table["m4"].fast_mm * (1 - np.abs(np.linspace(-1, 1, 53)[1:-1]))
+    slow = [f for f in strong(scan(take.with_positions(x), "likelihood")) if f.kind == "slow"]
+    assert [f.marker for f in slow] == ["m4"]
+
+
+def test_the_check_without_a_model_confirms_what_jumps() -> None:
+    jumps = star_jumps(spoilt())
+    assert {(j.marker, j.frame) for j in jumps} >= {("m3", 150), ("m3", 200), ("m1", 100)}
+    assert star_jumps(body()) == ()
+    ids = confirmed(found(), jumps)
+    by = {(f.marker, f.kind): f.id for f in strong(found())}
+    assert by["m3", "step"] in ids
+    assert by["m1", "peak"] in ids
+
+
+def test_the_same_with_any_number_of_threads() -> None:
+    code = (
+        "from tests.core.detection_likelihood.test_detector import spoilt\n"
+        "from markermend.detection.run import scan\n"
+        "print([(f.id, f.strength, f.amplitude) for f in scan(spoilt(), 'likelihood')])"
+    )
+    root = os.path.abspath(os.path.join(os.path.dirname(__file__), *[".."] * 3))
+    shown = [
+        subprocess.run(
+            [sys.executable, "-c", code],
+            env=os.environ | {"OMP_NUM_THREADS": n, "OPENBLAS_NUM_THREADS": n, "PYTHONPATH": root},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for n in ("1", "2")
+    ]
+    assert shown[0] == shown[1]
