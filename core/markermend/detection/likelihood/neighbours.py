@@ -41,8 +41,8 @@ def steadiest(positions: FloatArray, seen: BoolArray, most: int) -> NDArray[np.i
             distance = np.where(both, distance, np.nan)
             distance[:, ~both.any(0)] = np.inf  # never seen together
         median = _median(distance)
-        with np.errstate(invalid="ignore"):
-            deviation = _median(np.abs(distance - median))
+        # Infinite minus infinite is no number: where the median is infinite, so is the deviation.
+        deviation = _median(np.abs(distance - np.where(np.isfinite(median), median, 0.0)))
         score = np.where(np.isfinite(median), deviation + 0.01 * median, np.inf)
         unsteady[m, others] = unsteady[others, m] = score
     return np.argsort(unsteady, axis=1, kind="stable")[:, : min(most, n_markers - 1)]
