@@ -22,7 +22,7 @@ from markermend.repairing.problem import Outcome, Problem
 def gslr(
     problem: Problem,
     *,
-    weight: Annotated[float, Within(0, 100)] = 0.1,
+    weight: Annotated[float, Within(0, 100)] = 0.03,
     cutoff: Annotated[float, Within(0.1, 100, "Hz")] = 6.0,
     high: Annotated[float, Within(1, 10000)] = 100.0,
     markers: Annotated[int, Within(1, 300)] = 10,

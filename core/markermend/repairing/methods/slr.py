@@ -22,7 +22,7 @@ from markermend.repairing.problem import Outcome, Problem
 def slr(
     problem: Problem,
     *,
-    weight: Annotated[float, Within(0, 100)] = 0.1,
+    weight: Annotated[float, Within(0, 100)] = 0.01,
     cutoff: Annotated[float, Within(0.1, 100, "Hz")] = 6.0,
     high: Annotated[float, Within(1, 10000)] = 100.0,
     markers: Annotated[int, Within(1, 300)] = 10,
@@ -38,7 +38,7 @@ def slr(
     ----------
     weight
         The paper's lambda: what a frequency costs beside a pattern. It has no unit, as both sums
-        are in mm.
+        are in mm; here every column counts, so that less of it does than in GS-LR.
     cutoff
         Frequency from which on it costs more.
     high

@@ -18,7 +18,7 @@ from markermend.repairing.problem import Outcome, Problem
 def tnn(
     problem: Problem,
     *,
-    rank: Annotated[int, Within(1, 60)] = 8,
+    rank: Annotated[int, Within(1, 60)] = 3,
     markers: Annotated[int, Within(1, 300)] = 10,
     context: Annotated[int, Within(50, 3000, "frames")] = 600,
     rounds: Annotated[int, Within(1, 50)] = 6,

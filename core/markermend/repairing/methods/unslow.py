@@ -77,8 +77,8 @@ def unslow(
     hill = triangle(np.arange(len(cut.span)), len(cut.span), top)[:, None] * height
     size = ", ".join(f"{h:+.1f}" for h in height)
     note = (
-        f"A hill of ({size}) mm with its apex at frame {problem.span.start + round(top)} was taken "
-        f"away; its height is known to {found.doubt[0]:.1f} mm."
+        f"A hill of ({size}) mm with its apex {round(top)} frames into the span was taken away; "
+        f"its height is known to {found.doubt[0]:.1f} mm."
     )
     return Outcome(recorded - hill, note=note)
 
