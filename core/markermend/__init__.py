@@ -29,6 +29,7 @@ _HOME = {
     "Source": "model",
     "Span": "model",
     "Take": "model",
+    "agreement": "comparing",
     "contaminate": "evaluate",
     "detect": "detection",
     "fill": "repairing",
@@ -39,6 +40,7 @@ _HOME = {
 __all__ = sorted(_HOME)
 
 if TYPE_CHECKING:
+    from markermend.comparing import agreement
     from markermend.detection import detect
     from markermend.errors import MarkerMendError
     from markermend.evaluate import contaminate

@@ -24,6 +24,8 @@ COMMANDS = {
     "repair": "fill gaps, repair artefacts, write the take back",
     "evaluate": "repeat the published experiments and benchmarks, as tables",
     "simulate": "make a take of a walking or sitting person, with known artefacts",
+    "train": "practise on a take whose truth is known, and be graded",
+    "agree": "compare what several operators decided on one take",
 }
 
 

@@ -93,7 +93,7 @@ class Exercise:
         of ``repr`` and of `to_json`.
     """
 
-    take: Take
+    take: Take = field(repr=False)
     level: int
     seed: int
     kinds: tuple[Kind, ...]

@@ -20,6 +20,8 @@ NAMES: Mapping[Kind, str] = {
     "step": "step",
     "slow": "slow change",
 }
+WORTH_SAYING_MM = 0.1
+"""A smaller gain is none that anybody could see."""
 WHERE: Mapping[Kind, str] = {
     "gap": "the overview shows it",
     "peak": "look at the acceleration, where a single frame stands out",
@@ -84,10 +86,15 @@ def repair(done: Repaired) -> str:
     if done.error_mm is None:
         return f"With {done.method} its data is given up, so nothing can be said of it in mm."
     text = f"{done.method} left {_mm(done.error_mm)}"
-    if done.best_mm is not None and done.best != done.method:
+    gain = 0.0 if done.best_mm is None else done.error_mm - done.best_mm
+    if done.best_mm is not None and gain >= WORTH_SAYING_MM:
         text += f", {done.best} would have left {_mm(done.best_mm)}"
         text += " and was the recommended one" if done.recommended == done.best else ""
-    if done.recommended_mm is not None and done.recommended not in (done.best, done.method):
+    if done.recommended == done.method:
+        text += ", as recommended"
+    elif done.recommended_mm is not None and not (
+        done.recommended == done.best and gain >= WORTH_SAYING_MM
+    ):
         text += f", the recommended {done.recommended} {_mm(done.recommended_mm)}"
     if done.new_artefacts:
         kinds = ", ".join(sorted({NAMES[kind] for kind in done.new_artefacts}))
