@@ -120,7 +120,7 @@ def triad(cut: Window, smoothing_s: float) -> Triad:
     ordered = candidates[np.argsort(rank[candidates], kind="stable")]
     if len(ordered) < 3:
         raise CannotRepair(
-            f"{len(ordered)} other markers are seen from edge to edge of the gap, and three are "
+            f"Other markers seen from edge to edge of the gap: {len(ordered)}, and three are "
             "needed; choose a method that needs none, such as pchip."
         )
     references = _in_no_line(cut, ordered, start)

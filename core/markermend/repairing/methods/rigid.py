@@ -81,7 +81,7 @@ def moving_frame(
     others, spread = others[np.isfinite(spread)], spread[np.isfinite(spread)]
     if len(others) < cut.n_dims:
         raise CannotRepair(
-            f"{len(others)} other markers are seen throughout the span and at its edges, and a "
+            f"Other markers seen throughout the span and at its edges: {len(others)}, and a "
             f"rigid body needs {cut.n_dims}; choose a method that needs none, such as pchip."
         )
     order = np.argsort(spread, kind="stable")
