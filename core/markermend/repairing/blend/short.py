@@ -9,6 +9,16 @@ from markermend.errors import CannotRepair
 from markermend.model import FloatArray, Span, runs
 from markermend.repairing.blend.fixed import regress_and_krige
 from markermend.repairing.blend.scene import Scene, survey
+from markermend.repairing.recovery import (
+    Model,
+    Recovery,
+    by_components,
+    interpolate_locally,
+    recover,
+    regress_by_kernel,
+    regress_globally,
+    regress_locally,
+)
 from markermend.repairing.shortwindow import fill_at_once
 from markermend.repairing.window import Window
 
@@ -24,6 +34,14 @@ DOUBT_MM = 10.0
 """A neighbour that was filled throughout the gap counts as less rigid by so much."""
 ALL_AT_ONCE_S = (0.12, 0.4)
 """Gaps up to the first length are left as filled at once; from the second on, none of it is."""
+EXPERTS: tuple[tuple[tuple[Model, ...], float], ...] = (
+    ((regress_by_kernel,), 0.4),
+    (
+        (interpolate_locally, regress_locally, regress_by_kernel, regress_globally, by_components),
+        0.25,
+    ),
+)
+"""LGRNN and PMA, and their weights in long gaps beside the regression in local frames."""
 ENOUGH_S = (0.9, 3.0)
 """Durations in which the marker is seen: up to the first SHORT has all the weight, from the
 second on none."""
@@ -69,6 +87,8 @@ def short(cut: Window) -> FloatArray:
     locally = _locally(near, filled, CARRIERS)
     if locally is None:
         return own
+    if weight == 0.0:
+        locally = _averaged(near, filled, locally)
     return np.asarray(weight * own + (1 - weight) * locally)
 
 
@@ -125,6 +145,21 @@ def _locally(near: Window, filled: FloatArray, carriers: tuple[int, ...]) -> Flo
     except CannotRepair:
         return None
     return np.asarray(np.mean(found, axis=0))
+
+
+def _averaged(near: Window, filled: FloatArray, locally: FloatArray) -> FloatArray:
+    """Average a long gap with two models that keep the distances seen (Tits et al. 2018)."""
+    positions = filled.copy()
+    positions[:, near.marker] = near.own
+    again = replace(near, positions=positions)
+    total, weights = locally, 1.0
+    for models, weight in EXPERTS:
+        try:
+            total = total + weight * recover(again, models, Recovery())
+        except CannotRepair:
+            continue
+        weights += weight
+    return total / weights
 
 
 def _doubting(near: Window, filled: FloatArray) -> Scene:
