@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+
 from markermend.errors import BadInput, UnknownName
 from markermend.evaluate.masks import against, evaluate_masks, read_peers, table
 
