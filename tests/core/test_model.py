@@ -1,6 +1,7 @@
 """Takes, spans and findings: frozen, checked at the door, and recognised by content."""
 
 import dataclasses
+import itertools
 
 import numpy as np
 import pytest
@@ -33,7 +34,7 @@ def test_runs_rebuild_the_mask(mask: list[bool]):
     for span in found:
         again[span.frames] = True
     assert again.tolist() == mask
-    assert all(a.stop < b.start for a, b in zip(found, found[1:], strict=False)), "none touch"
+    assert all(a.stop < b.start for a, b in itertools.pairwise(found)), "none touch"
 
 
 @pytest.mark.parametrize(("start", "stop"), [(3, 3), (4, 2), (-1, 5)])
