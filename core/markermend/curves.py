@@ -4,7 +4,8 @@ import warnings
 
 import numpy as np
 
-from markermend.model import FloatArray, Span, Take
+from markermend.model import BoolArray, FloatArray, Span, Take
+from markermend.repairing.geometry import kabsch
 
 
 def thinned(values: FloatArray, most: int) -> tuple[FloatArray, FloatArray]:
@@ -84,7 +85,9 @@ def speed_map(take: Take, markers: np.ndarray, n_bins: int) -> FloatArray:
     return shade
 
 
-def shape(take: Take, marker: str, span: Span, n_points: int = 48) -> tuple[FloatArray, float, float]:
+def shape(
+    take: Take, marker: str, span: Span, n_points: int = 48
+) -> tuple[FloatArray, float, float]:
     """Give the outline of a finding for a list: the most telling axis around its span.
 
     The straight line through the samples just outside the span is subtracted, so that a 5 mm peak
@@ -116,3 +119,60 @@ def shape(take: Take, marker: str, span: Span, n_points: int = 48) -> tuple[Floa
     _, thin = thinned(line[:, None], n_points)
     n = max(1, len(wide) - 1)
     return thin[:, 0], (span.start - wide.start) / n, (span.stop - 1 - wide.start) / n
+
+
+def expected(own: FloatArray, neighbours: FloatArray, trusted: BoolArray) -> FloatArray:
+    """Give where a marker would be if it kept its place among its neighbours.
+
+    Parameters
+    ----------
+    own
+        (n_frames, n_dims) mm.
+    neighbours
+        (n_frames, n_neighbours, n_dims) mm; NaN where not seen.
+    trusted
+        (n_frames,): where the marker's own positions may be learnt from.
+
+    Returns
+    -------
+    (n_frames, n_dims) mm; NaN where too few neighbours are seen, or nothing can be learnt.
+    """
+    n_dims = own.shape[1]
+    seen = np.isfinite(neighbours).all(axis=(1, 2))
+    usable = trusted & seen & np.isfinite(own[:, 0])
+    if not usable.any():
+        return np.full(own.shape, np.nan)
+    if neighbours.shape[1] < n_dims:
+        middle = neighbours.mean(axis=1)
+        return np.asarray(middle + (own - middle)[usable].mean(axis=0))
+    model = neighbours[np.flatnonzero(usable)[int(usable.sum()) // 2]]
+    frames = kabsch(model, neighbours, np.ones(len(model)))
+    place = frames.to_local(own)[usable].mean(axis=0)
+    there = frames.to_world(np.broadcast_to(place, own.shape))
+    return np.where(seen[:, None], there, np.nan)
+
+
+def acceleration(positions: FloatArray, rate: float) -> FloatArray:
+    """Give the size of the second derivative, (n_frames,) m/s²; NaN beside gaps."""
+    found = np.full(len(positions), np.nan)
+    if len(positions) > 2:
+        bends = np.diff(positions, n=2, axis=0) * (rate * rate / 1000)
+        found[1:-1] = np.linalg.norm(bends, axis=1)
+    return found
+
+
+def distance_change(own: FloatArray, neighbours: FloatArray, trusted: BoolArray) -> FloatArray:
+    """Give how much the distances to neighbours differ from usual, (n_frames,) mm (rms)."""
+    distance = np.linalg.norm(neighbours - own[:, None], axis=2)
+    known = np.isfinite(distance) & trusted[:, None]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # a frame or neighbour without any value
+        usual = np.nanmedian(np.where(known, distance, np.nan), axis=0)
+        return np.asarray(np.sqrt(np.nanmean(np.square(distance - usual), axis=1)))
+
+
+def lengths(positions: FloatArray, one: int, others: tuple[int, ...]) -> FloatArray:
+    """Give the distances of one marker to others, (n_frames, n_others) mm."""
+    return np.asarray(
+        np.linalg.norm(positions[:, list(others)] - positions[:, one][:, None], axis=2)
+    )

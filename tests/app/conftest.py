@@ -33,6 +33,10 @@ def made_take() -> mm.Take:
     return mm.Take(positions, 100, labels)
 
 
+METHODS = ("rigid", "pchip", "linear", "swap", "leave")
+"""Repairs that are offered: few, so that comparing them costs little."""
+
+
 class Ticks:
     """Collects what a page would do in its next tick, and does it when told."""
 
@@ -57,15 +61,15 @@ def take_path(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def make_desk(tmp_path: Path, take_path: Path) -> Iterator[Callable[[], tuple[Desk, Ticks]]]:
+def make_desk(tmp_path: Path, take_path: Path) -> Iterator[Callable[..., tuple[Desk, Ticks]]]:
     """Give a function that opens the small take on a new desk, as a new page would."""
     stores: list[Store] = []
     desks: list[Desk] = []
 
-    def make() -> tuple[Desk, Ticks]:
+    def make(ahead: int = 0) -> tuple[Desk, Ticks]:
         stores.append(Store(tmp_path / "store.sqlite"))
         ticks = Ticks()
-        desk = Desk(Workspace(stores[-1], (take_path,)), ticks)
+        desk = Desk(Workspace(stores[-1], (take_path,), methods=METHODS, ahead=ahead), ticks)
         desks.append(desk)
         desk.open(take_path)
         settle(desk, ticks)
@@ -80,10 +84,9 @@ def make_desk(tmp_path: Path, take_path: Path) -> Iterator[Callable[[], tuple[De
 
 def settle(desk: Desk, ticks: Ticks) -> None:
     """Wait for all work that is under way, and show it."""
-    desk.jobs.wait()
-    ticks.run()
-    desk.jobs.wait()
-    ticks.run()
+    for _ in range(4):  # what is shown may begin further work
+        desk.jobs.wait()
+        ticks.run()
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The lanes: one Bokeh figure per axis and one for the evidence, on one time axis.
+"""The lanes: a ruler, one Bokeh figure per axis and one for the evidence, on one time axis.
 
 Figures are built once and their sources updated in place, since removed figures are never freed in
 the browser.
@@ -7,24 +7,13 @@ the browser.
 from typing import Any
 
 import numpy as np
-from bokeh.models import (
-    ColumnDataSource,
-    CrosshairTool,
-    CustomJSTickFormatter,
-    Label,
-    PanTool,
-    Range1d,
-    Span,
-    WheelZoomTool,
-)
-from bokeh.plotting import figure
+from bokeh.models import BoxSelectTool, ColumnDataSource, Label, Range1d, Span
 
 from markermend.model import Kind
-from markermend_app.state.values import LaneValues, RepairValues
+from markermend_app.plots.figures import FONT, cursor, lane, paint
+from markermend_app.plots.ruler import Ruler
+from markermend_app.state.values import Curve, LaneValues, RepairValues
 from markermend_app.style.tokens import TOKENS
-
-GUTTER = 68
-FONT = "Roboto, system-ui, 'Liberation Sans', sans-serif"
 
 
 class Lanes:
@@ -44,24 +33,27 @@ class Lanes:
         self.x_range = Range1d(0, 1)
         self.sources = {
             name: ColumnDataSource(data={"t": [], **{axis: [] for axis in "xyz"}})
-            for name in ("raw", "inside", "chosen")
+            for name in ("raw", "inside", "chosen", "partner", "also")
         }
         self.others = ColumnDataSource(data={"t": [], "x": [], "y": [], "z": []})
+        self.mended = ColumnDataSource(data={"t": [], "x": [], "y": [], "z": []})
+        self.after = ColumnDataSource(data={"t": [], "v": []})
         self.band = ColumnDataSource(data={"t": [], **{f"{a}{e}": [] for a in "xyz" for e in "01"}})
         self.marks = ColumnDataSource(
             data={name: [] for name in ("id", "left", "right", "fill", "alpha", "line", "dash")}
         )
         self.signal = ColumnDataSource(data={"t": [], "v": [], "over": [], "level": []})
+        self.ruler = Ruler(self.x_range)
         self.axes = [self._axis_lane(axis) for axis in "xyz"[:n_dims]]
         self.evidence = self._evidence_lane()
-        self.figures = [*self.axes, self.evidence]
-        self.cursor = [_cursor(f) for f in self.figures]
+        self.figures = [self.ruler.figure, *self.axes, self.evidence]
+        self.cursor = [self.ruler.cursor, *(cursor(f) for f in self.figures[1:])]
         self.evidence.xaxis.visible = True
         self._worn: tuple[str, str] = ("", "")
 
     def _axis_lane(self, axis: str) -> Any:
-        fig = _lane(self.x_range)
-        fig.name = f"lane-{axis}"
+        sweep = BoxSelectTool(dimensions="width", persistent=False, name="sweep")
+        fig = lane(self.x_range, sweep, name=f"lane-{axis}")
         fig.vstrip(
             x0="left",
             x1="right",
@@ -78,16 +70,21 @@ class Lanes:
         fig.multi_line(
             xs="t", ys=axis, source=self.others, line_dash=[5, 4], line_width=1.1, name="others"
         )
+        fig.line(x="t", y=axis, source=self.sources["partner"], line_width=1.2, name="partner")
+        fig.multi_line(xs="t", ys=axis, source=self.mended, line_width=1.8, name="mended")
         fig.line(x="t", y=axis, source=self.sources["raw"], line_width=1.5, name="raw")
         fig.line(x="t", y=axis, source=self.sources["inside"], line_width=1.5, name="inside")
         fig.scatter(x="t", y=axis, source=self.sources["inside"], size=3, name="dots")
         fig.line(x="t", y=axis, source=self.sources["chosen"], line_width=2.5, name="chosen")
+        fig.line(
+            x="t", y=axis, source=self.sources["also"], line_width=2.5, line_dash=[2, 3],
+            name="also",
+        )  # fmt: skip
         fig.yaxis.axis_label = f"{axis.upper()}  mm"
         return fig
 
     def _evidence_lane(self) -> Any:
-        fig = _lane(self.x_range)
-        fig.name = "lane-evidence"
+        fig = lane(self.x_range, name="lane-evidence")
         fig.vstrip(
             x0="left",
             x1="right",
@@ -100,6 +97,7 @@ class Lanes:
         )
         fig.varea(x="t", y1="level", y2="over", source=self.signal, name="over", fill_alpha=0.45)
         fig.line(x="t", y="v", source=self.signal, line_width=1.3, name="signal")
+        fig.line(x="t", y="v", source=self.after, line_width=2.0, name="after")
         self.threshold = Span(location=0, dimension="width", line_dash=[4, 3], line_width=1)
         self.levels = Label(
             x=8,
@@ -118,8 +116,10 @@ class Lanes:
     def show(self, values: LaneValues, theme: str) -> None:
         """Show another recording, in place."""
         tokens = TOKENS[theme]
-        for name, curve in (("raw", values.raw), ("inside", values.inside)):
+        shown = (("raw", values.raw), ("inside", values.inside), ("partner", values.partner))
+        for name, curve in shown:
             self.sources[name].data = {"t": curve.time, **_columns(curve.values)}
+        self.mended.data = _lines(values.mended)
         self.marks.data = {
             "id": [mark.id for mark in values.marks],
             "left": [mark.start_s for mark in values.marks],
@@ -133,6 +133,9 @@ class Lanes:
         }
         for fig, axis in zip(self.axes, "XYZ", strict=False):
             fig.yaxis.axis_label = f"{axis}  {values.unit}"
+        self.ruler.show(next((m for m in values.marks if m.selected), None), theme)
+        self.ruler.show_events(values.events, theme)
+        self.fit_ruler()
         self._show_evidence(values)
         self.restyle(theme, values.kind)
 
@@ -140,10 +143,9 @@ class Lanes:
         """Show other repairs, in place."""
         chosen = _columns(values.chosen.values)
         self.sources["chosen"].data = {"t": values.chosen.time, **chosen}
-        self.others.data = {
-            "t": [curve.time for curve in values.others],
-            **{axis: [_columns(curve.values)[axis] for curve in values.others] for axis in "xyz"},
-        }
+        self.sources["also"].data = {"t": values.also.time, **_columns(values.also.values)}
+        self.after.data = {"t": values.after.time, "v": values.after.values}
+        self.others.data = _lines(values.others)
         half = np.zeros(0) if values.band is None else values.band
         n = len(half)
         self.band.data = {
@@ -153,6 +155,11 @@ class Lanes:
         }
         for fig, (low, high) in zip(self.axes, values.y_ranges, strict=False):
             fig.y_range.update(start=low, end=high)
+
+    def fit_ruler(self) -> None:
+        """Fit the words on the ruler to the window."""
+        width = max(1e-9, self.x_range.end - self.x_range.start)
+        self.ruler.fit((self.ruler.tab.right - self.ruler.tab.left) / width)
 
     def _show_evidence(self, values: LaneValues) -> None:
         shown = values.evidence
@@ -195,8 +202,13 @@ class Lanes:
             "chosen": tokens["accent"],
             "others": tokens["ink3"],
             "signal": tokens["ink"],
+            "after": tokens["accent"],
+            "partner": tokens["ink3"],
+            "mended": tokens["accent"],
+            "also": tokens["accent"],
         }
-        for fig in self.figures:
+        self.ruler.restyle(theme)
+        for fig in self.figures[1:]:
             paint(fig, tokens)
             for name, colour in lines.items():
                 for renderer in fig.select(name=name):
@@ -213,60 +225,13 @@ class Lanes:
         self.levels.text_color = tokens["ink2"]
 
 
+def _lines(curves: tuple[Curve, ...]) -> dict[str, list[np.ndarray]]:
+    return {
+        "t": [curve.time for curve in curves],
+        **{axis: [_columns(curve.values)[axis] for curve in curves] for axis in "xyz"},
+    }
+
+
 def _columns(values: np.ndarray) -> dict[str, np.ndarray]:
     missing = np.zeros(len(values))
     return {axis: values[:, d] if d < values.shape[1] else missing for d, axis in enumerate("xyz")}
-
-
-def _lane(x_range: Range1d) -> Any:
-    pan, wheel = PanTool(dimensions="width"), WheelZoomTool(dimensions="width")
-    fig = figure(
-        x_range=x_range,
-        y_range=Range1d(0, 1),
-        tools=[pan, wheel],
-        toolbar_location=None,
-        min_border_left=GUTTER,
-        min_border_right=12,
-        min_border_top=3,
-        min_border_bottom=3,
-        sizing_mode="stretch_both",
-        output_backend="canvas",
-    )
-    fig.toolbar.active_drag, fig.toolbar.active_scroll = pan, wheel
-    fig.xaxis.visible = False
-    fig.yaxis.ticker.desired_num_ticks = 4
-    fig.xaxis.formatter = CustomJSTickFormatter(
-        code="return Number(tick.toFixed(3)).toString() + ' s'"
-    )
-    fig.add_tools(CrosshairTool(dimensions="height", line_alpha=0.25))
-    return fig
-
-
-def _cursor(fig: Any) -> Span:
-    span = Span(location=0, dimension="height", line_width=1.4, name="playhead")
-    fig.add_layout(span)
-    return span
-
-
-def paint(fig: Any, tokens: dict[str, str]) -> None:
-    """Give a figure the colours and fonts of a theme."""
-    fig.update(
-        background_fill_color=tokens["panel"],
-        border_fill_color=tokens["panel"],
-        outline_line_color=tokens["line"],
-    )
-    for axis in (*fig.xaxis, *fig.yaxis):
-        axis.update(
-            axis_line_color=None,
-            major_tick_line_color=None,
-            minor_tick_line_color=None,
-            major_label_text_color=tokens["ink2"],
-            major_label_text_font=FONT,
-            major_label_text_font_size="11px",
-            axis_label_text_color=tokens["ink2"],
-            axis_label_text_font=FONT,
-            axis_label_text_font_style="normal",
-            axis_label_text_font_size="11px",
-        )
-    for grid in (*fig.xgrid, *fig.ygrid):
-        grid.grid_line_color = tokens["line"]

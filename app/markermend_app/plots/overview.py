@@ -15,7 +15,7 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
-from markermend_app.plots.lanes import GUTTER, paint
+from markermend_app.plots.figures import GUTTER, paint
 from markermend_app.state.values import OverviewValues
 from markermend_app.style.tokens import TOKENS
 

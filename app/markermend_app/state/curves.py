@@ -1,23 +1,29 @@
-"""What the lanes and the overview show of a desk: asked of the library, put into values."""
+"""What the lanes show of a desk: asked of the library, put into values."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from markermend import curves
-from markermend.model import Finding, FloatArray, Span, Take, short
+from markermend.model import Finding, FloatArray, Span, Take
+from markermend.repairing import Repair
 from markermend_app.state.desk import Desk
+from markermend_app.state.evidence import Surroundings, signal_of, surroundings
 from markermend_app.state.values import (
     Curve,
-    EvidenceCurve,
+    EventMark,
     LaneValues,
-    OverviewValues,
+    Line,
     RepairValues,
     SpanMark,
 )
 
 MOST_POINTS = 4000
 MOST_OTHERS = 8
+MOST_RELATIVE = 20_000
+"""Frames on the screen beyond which the neighbours' motion is not subtracted."""
+SMALL = 0.05
+"""Share of the lane's range below which an artefact cannot be seen without subtracting it."""
 
 
 def marks(desk: Desk, marker: str | None = None) -> list[tuple[str, SpanMark]]:
@@ -45,66 +51,150 @@ def marks(desk: Desk, marker: str | None = None) -> list[tuple[str, SpanMark]]:
     return found
 
 
-@dataclass(frozen=True)
-class _Cut:
+@dataclass(frozen=True, eq=False)
+class _Scene:
     """The part of a take that the lanes need: the window and as much again on both sides."""
 
+    take: Take
+    marker: int
     start: int
     stop: int
+    span: Span | None
+    finding: Finding | None
+    away: FloatArray | None = field(default=None)
+
+    @property
+    def own(self) -> FloatArray:
+        return self.take.positions[self.start : self.stop, self.marker]
+
+    def curve(self, values: FloatArray, start: int) -> Curve:
+        """Put values of some frames into a line, without the neighbours' motion where wanted."""
+        if self.away is not None:
+            values = values - self.away[start - self.start : start - self.start + len(values)]
+        return _curve(values, start, self.take.rate)
 
 
-def _cut(desk: Desk, take: Take) -> _Cut:
-    low, high = desk.window
+def _scene(desk: Desk) -> _Scene | None:
+    opened = desk.opened
+    if opened is None or not desk.marker:
+        return None
+    take, (low, high) = opened.take, desk.window
     margin = high - low
-    start = max(0, int((low - margin) * take.rate))
-    stop = min(take.n_frames, int((high + margin) * take.rate) + 2)
-    return _Cut(start, max(start + 1, stop))
+    start = min(max(0, int((low - margin) * take.rate)), take.n_frames - 1)
+    stop = max(start + 1, min(take.n_frames, int((high + margin) * take.rate) + 2))
+    if desk.span is not None:
+        start, stop = min(start, max(0, desk.span.start - 1)), max(stop, desk.span.stop)
+    stop = min(stop + 1, take.n_frames)
+    scene = _Scene(take, take.index(desk.marker), start, stop, desk.span, desk.current)
+    if not is_relative(desk):
+        return scene
+    around = _around(desk, scene)
+    return _Scene(scene.take, scene.marker, start, stop, scene.span, scene.finding, around.expected)
+
+
+def _around(desk: Desk, scene: _Scene) -> Surroundings:
+    assert desk.opened is not None
+    return surroundings(desk.opened, scene.marker, Span(scene.start, scene.stop), scene.span)
+
+
+def is_relative(desk: Desk) -> bool:
+    """Tell whether the neighbours' motion is subtracted: as chosen, else where it helps."""
+    opened, current, span = desk.opened, desk.current, desk.span
+    if opened is None or not desk.marker:
+        return False
+    low, high = (round(edge * opened.take.rate) for edge in desk.window)
+    if high - low > MOST_RELATIVE:
+        return False
+    if desk.relative is not None:
+        return desk.relative
+    if current is None or span is None or current.amplitude is None:
+        return False
+    if desk.judged(current).kind == "gap" or current.partner is not None:
+        return False
+    shown = opened.take.positions[max(0, low) : high + 1, opened.take.index(desk.marker)]
+    known = shown[np.isfinite(shown[:, 0])]
+    if not len(known) or abs(current.amplitude) >= SMALL * float(np.ptp(known, axis=0).max()):
+        return False
+    frames = span.padded(1, opened.take.n_frames)
+    around = surroundings(
+        opened, opened.take.index(desk.marker), frames.padded(50, opened.take.n_frames), span
+    )
+    return bool(np.isfinite(around.expected).any())
 
 
 def lanes(desk: Desk) -> LaneValues | None:
-    """Give what was recorded around the finding at hand, or None when there is none."""
-    opened, current, span = desk.opened, desk.current, desk.span
-    if opened is None or current is None or span is None:
+    """Give what was recorded of the marker at hand, or None when there is none."""
+    scene = _scene(desk)
+    if scene is None or desk.opened is None:
         return None
-    take = opened.take
-    marker = take.index(current.marker)
-    cut = _cut(desk, take)
-    own = take.positions[cut.start : cut.stop, marker]
-    first, last = max(span.start - cut.start, 0), max(0, span.stop - cut.start)
-    outside = own.copy()
-    # One sample more on both sides of the span, so that the two lines meet.
-    outside[first + 1 : max(0, last - 1)] = np.nan
+    take, span, own = scene.take, scene.span, scene.own
+    outside, inside = own.copy(), Curve()
+    if span is not None:
+        first, last = max(span.start - scene.start, 0), max(0, span.stop - scene.start)
+        # One sample more on both sides of the span, so that the two lines meet.
+        outside[first + 1 : max(0, last - 1)] = np.nan
+        inside = scene.curve(own[first:last], scene.start + first)
+    partner = scene.finding.partner if scene.finding else None
     return LaneValues(
         unit=take.units,
-        raw=_curve(outside, cut.start, take.rate),
-        inside=_curve(own[first:last], cut.start + first, take.rate),
-        marks=tuple(mark for _, mark in marks(desk, current.marker)),
-        evidence=_evidence(take, current),
-        kind=desk.judged(current).kind,
+        raw=scene.curve(outside, scene.start),
+        inside=inside,
+        marks=tuple(mark for _, mark in marks(desk, desk.marker)),
+        evidence=signal_of(desk.opened, desk.signal, scene.finding, _around(desk, scene)),
+        kind=desk.judged(scene.finding).kind if scene.finding else "gap",
+        partner=Curve()
+        if partner is None
+        else scene.curve(
+            take.positions[scene.start : scene.stop, take.index(partner)], scene.start
+        ),
+        mended=tuple(
+            _joined(scene, done.span, done.values)
+            for done in desk.mended.values()
+            if done.marker == desk.marker
+            and done.span != span
+            and scene.start < done.span.start
+            and done.span.stop < scene.stop
+        ),
+        events=events(take),
+        relative=scene.away is not None,
+    )
+
+
+def events(take: Take) -> tuple[EventMark, ...]:
+    """Give the events of the file, such as heel strikes."""
+    return tuple(
+        EventMark(e.time_s, f"{e.context} {e.label}".strip())
+        for e in take.events
+        if np.isfinite(e.time_s)
     )
 
 
 def repairs(desk: Desk) -> RepairValues | None:
     """Give the repairs of the finding at hand, or None when there is none."""
-    opened, current, span = desk.opened, desk.current, desk.span
-    if opened is None or current is None or span is None:
+    scene = _scene(desk)
+    if scene is None or desk.opened is None:
         return None
-    take = opened.take
-    marker = take.index(current.marker)
-    shown = [] if desk.raw_only else [p.repair for p in desk.previews if p.repair is not None]
-    shown = [done for done in shown if np.isfinite(done.values).any()]
-    chosen, band = Curve(), None
-    for done in shown:
-        if done.method == desk.chosen:
-            chosen = _joined(take, marker, span, done.values)
-            if done.band is not None:
-                band = np.concatenate([[0.0], done.band, [0.0]])[_edges(take, span)]
-    others = [done for done in shown if done.method != desk.chosen][:MOST_OTHERS]
+    span = scene.span
+    shown: list[Repair] = []
+    if span is not None and not desk.raw_only:
+        shown = [p.repair for p in desk.previews if p.repair is not None]
+        shown = [d for d in shown if d.span == span and np.isfinite(d.values).any()]
+    mine = next((d for d in shown if d.method == desk.chosen), None)
+    chosen, band, after, also = Curve(), None, Line(), Curve()
+    if mine is not None and span is not None:
+        chosen = _joined(scene, span, mine.values)
+        if mine.band is not None:
+            band = np.concatenate([[0.0], mine.band, [0.0]])[_edges(scene.take, span)]
+        after = _after(desk, scene, mine)
+        also = next((_also(scene, span, v, label) for label, v in mine.also), Curve())
+    others = [done for done in shown if done is not mine][:MOST_OTHERS]
     return RepairValues(
         chosen=chosen,
         band=band,
-        others=tuple(_joined(take, marker, span, done.values) for done in others),
-        y_ranges=_y_ranges(desk, take, marker, chosen.values),
+        others=tuple(_joined(scene, done.span, done.values) for done in others),
+        y_ranges=_y_ranges(desk, scene, chosen, band, also),
+        after=after,
+        also=also,
     )
 
 
@@ -118,24 +208,54 @@ def _edges(take: Take, span: Span) -> slice:
     return slice(0 if span.start > 0 else 1, None if span.stop < take.n_frames else -1)
 
 
-def _joined(take: Take, marker: int, span: Span, values: FloatArray) -> Curve:
+def _joined(scene: _Scene, span: Span, values: FloatArray, marker: int | None = None) -> Curve:
     """Give repaired values with the recorded samples on both sides, so that a kink is seen."""
+    take = scene.take
     wide = span.padded(1, take.n_frames)
-    frames = np.arange(wide.start, wide.stop)
-    joined = take.positions[wide.frames, marker].copy()
+    joined = take.positions[wide.frames, scene.marker if marker is None else marker].copy()
     joined[span.start - wide.start : span.stop - wide.start] = values
-    return Curve(frames / take.rate, joined)
+    if scene.away is not None:
+        joined = joined - scene.away[wide.start - scene.start : wide.stop - scene.start]
+    return Curve(np.arange(wide.start, wide.stop) / take.rate, joined)
+
+
+def _also(scene: _Scene, span: Span, values: FloatArray, label: str) -> Curve:
+    return _joined(scene, span, values, scene.take.index(label))
+
+
+def _after(desk: Desk, scene: _Scene, done: Repair) -> Line:
+    """Give the evidence of the marker as it would be with the repair, over the span."""
+    assert desk.opened is not None
+    own = scene.own.copy()
+    at = slice(done.span.start - scene.start, done.span.stop - scene.start)
+    own[at] = done.values
+    around = _around(desk, scene).with_own(own)
+    found = signal_of(desk.opened, desk.signal, scene.finding, around, repaired=True)
+    if found is None:
+        return Line()
+    start, stop = ((f - 0.5) / scene.take.rate for f in (done.span.start - 1, done.span.stop + 1))
+    inside = (found.time >= start) & (found.time <= stop)
+    return Line(found.time[inside], found.signal[inside])
 
 
 def _y_ranges(
-    desk: Desk, take: Take, marker: int, chosen: FloatArray
+    desk: Desk, scene: _Scene, chosen: Curve, band: FloatArray | None, also: Curve
 ) -> tuple[tuple[float, float], ...]:
-    """Scale each lane to the recorded curve in the window and the chosen repair."""
+    """Scale each lane to the recorded curve in the window and the chosen repair with its band."""
+    take = scene.take
     low, high = (round(edge * take.rate) for edge in desk.window)
-    shown = take.positions[max(0, low) : high + 1, marker]
+    low, high = max(scene.start, low), min(scene.stop, high + 1)
+    shown = scene.own[low - scene.start : high - scene.start]
+    if scene.away is not None:
+        shown = shown - scene.away[low - scene.start : high - scene.start]
+    half = np.zeros(len(chosen.time)) if band is None else band
     ranges = []
     for axis in range(take.n_dims):
-        parts = [shown[:, axis], chosen[:, axis] if len(chosen) else np.empty(0)]
+        parts = [shown[:, axis]]
+        if len(chosen.time):
+            parts += [chosen.values[:, axis] - half, chosen.values[:, axis] + half]
+        if len(also.time):
+            parts.append(also.values[:, axis])
         values = np.concatenate(parts)
         values = values[np.isfinite(values)]
         if not values.size:
@@ -145,48 +265,3 @@ def _y_ranges(
         room = max(0.12 * (top - bottom), 2.0)
         ranges.append((bottom - room, top + room))
     return tuple(ranges)
-
-
-def _evidence(take: Take, finding: Finding) -> EvidenceCurve | None:
-    """Give the signal that fired; a gap fires by being one, and shows the marker's speed."""
-    found = finding.evidence
-    if found is not None:
-        frames = np.arange(found.start, found.start + len(found.signal))
-        return EvidenceCurve(
-            found.name,
-            found.unit,
-            frames / take.rate,
-            np.abs(found.signal),
-            found.threshold,
-            found.usual,
-        )
-    wide = finding.span.padded(max(len(finding.span), round(take.rate)), take.n_frames)
-    speed = curves.speed(take.positions[wide.frames, take.index(finding.marker)], take.rate)
-    unit = "mm/s" if take.units == "mm" else "px/s"
-    known = speed[np.isfinite(speed)]
-    usual = float(np.median(known)) if known.size else np.nan
-    frames = np.arange(wide.start, wide.stop)
-    return EvidenceCurve("speed", unit, frames / take.rate, speed, np.nan, usual)
-
-
-def overview(desk: Desk) -> OverviewValues | None:
-    """Give what the overview shows, or None when no take is open."""
-    if desk.opened is None:
-        return None
-    take, mesh = desk.opened.take, desk.opened.mesh
-    order = list(mesh.order)
-    order += [int(m) for m in take.measured if m not in set(order)]
-    rows = {take.labels[m]: len(order) - 1 - i for i, m in enumerate(order)}
-    groups, at = [], len(order)
-    for cluster in mesh.clusters:
-        at -= len(cluster)
-        if len(cluster) >= max(3, len(order) // 18):
-            groups.append((at + len(cluster) / 2, short(take.labels[cluster[len(cluster) // 2]])))
-    shade = curves.speed_map(take, np.array(order[::-1], dtype=int), 1200)
-    return OverviewValues(
-        duration_s=take.duration_s,
-        shade=shade,
-        rows=rows,
-        groups=tuple(groups),
-        marks=tuple(m for m in marks(desk) if m[0] in rows),
-    )

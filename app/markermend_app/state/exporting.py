@@ -1,15 +1,17 @@
 """What an export would change, and what it did."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from markermend.model import Finding, Kind
+from markermend.io.disk import write_whole
+from markermend.model import Finding, Kind, Span
 from markermend.repairing import REPAIRS, Refusal, Repair
 from markermend.review import Counts, Review
 from markermend.review.mending import Mended, mend, save
+from markermend.review.report import report as report_on
 from markermend.review.session import ReviewSession
 from markermend_app.state.workspace import Opened
 
@@ -25,6 +27,8 @@ class Change:
     n_frames: int
     method: str
     largest_mm: float | None
+    expected_mm: float | None
+    left: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +47,8 @@ class Plan:
         What changes, and what cannot be repaired.
     n_changed, n_samples
         Positions that change, of all that there are.
-    mended, review
-        What will be written.
+    mended, review, findings
+        What will be written, and all that there was to decide on.
     verified
         What the verification found, in sentences, once it is written.
     """
@@ -59,11 +63,27 @@ class Plan:
     n_samples: int
     mended: Mended
     review: Review
+    findings: tuple[Finding, ...]
     verified: tuple[str, ...] = ()
 
 
-def plan(opened: Opened, review: Review, findings: Sequence[Finding]) -> Plan:
+def plan(
+    opened: Opened,
+    review: Review,
+    findings: Sequence[Finding],
+    expected: Mapping[tuple[str, Span, str], float | None],
+    progress: Callable[[int], None] = lambda _: None,
+) -> Plan:
     """Compute all accepted repairs and count what they change.
+
+    Parameters
+    ----------
+    opened, review, findings
+        The take, the decisions, and what there is to look at.
+    expected
+        Expected errors that are known from the desk: (marker, span, method) -> mm.
+    progress
+        Called with the number of repairs computed.
 
     Raises
     ------
@@ -71,7 +91,8 @@ def plan(opened: Opened, review: Review, findings: Sequence[Finding]) -> Plan:
         If two accepted findings would write the same samples.
     """
     take = opened.take
-    mended = mend(take, review.accepted())
+    known = {key: error for key, error in expected.items() if error is not None}
+    mended = mend(take, review.accepted(), progress=progress)
     before, after = take.positions, mended.repaired.positions
     same = (before == after) | (np.isnan(before) & np.isnan(after))
     source = take.source.path if take.source else Path("take.npz")
@@ -82,17 +103,24 @@ def plan(opened: Opened, review: Review, findings: Sequence[Finding]) -> Plan:
         promise="Everything else stays bit for bit.",
         counts=review.counts(findings),
         changes=tuple(
-            _change(opened, done, kinds[done.marker, done.span]) for done in mended.repairs
+            _change(
+                opened,
+                done,
+                kinds[done.marker, done.span],
+                known.get((done.marker, done.span, done.method), done.expected_mm),
+            )
+            for done in mended.repairs
         ),
         refusals=mended.refusals,
         n_changed=int((~same.all(axis=2)).sum()),
         n_samples=take.n_frames * take.n_markers,
         mended=mended,
         review=review,
+        findings=tuple(findings),
     )
 
 
-def _change(opened: Opened, done: Repair, kind: Kind) -> Change:
+def _change(opened: Opened, done: Repair, kind: Kind, expected_mm: float | None) -> Change:
     take = opened.take
     return Change(
         marker=done.marker,
@@ -102,13 +130,21 @@ def _change(opened: Opened, done: Repair, kind: Kind) -> Change:
         n_frames=len(done.span),
         method=REPAIRS.get(done.method).title,
         largest_mm=done.largest_change(take),
+        expected_mm=expected_mm,
+        left=done.method == "leave",
     )
 
 
 def write(
-    opened: Opened, planned: Plan, session: ReviewSession, target: Path, *, overwrite: bool
+    opened: Opened,
+    planned: Plan,
+    session: ReviewSession,
+    target: Path,
+    *,
+    overwrite: bool,
+    report: bool = False,
 ) -> Plan:
-    """Write the file and its decisions, and say what the verification found.
+    """Write the file, its decisions and a report, and say what the verification found.
 
     Raises
     ------
@@ -137,4 +173,37 @@ def write(
         f"Decisions: {beside.name}",
         f"SHA-256: {written.sha256}",
     ]
+    if report:
+        page = target.with_name(f"{target.name}.report.html")
+        write_report(page, opened, planned, session, verified, overwrite=overwrite)
+        verified.append(f"Report: {page.name}")
     return replace(planned, target=target, verified=tuple(verified))
+
+
+def write_report(
+    page: Path,
+    opened: Opened,
+    planned: Plan,
+    session: ReviewSession,
+    said: Sequence[str] = (),
+    *,
+    overwrite: bool,
+) -> None:
+    """Write the report of a take as one HTML page.
+
+    Raises
+    ------
+    CannotWrite
+        If the page is there already, or the disk refuses.
+    """
+    html = report_on(
+        opened.take,
+        planned.review,
+        planned.review.live(planned.findings),
+        planned.mended.repairs,
+        planned.refusals,
+        name=planned.name,
+        written=said,
+        decided=session.decided,
+    )
+    write_whole(page, html.encode(), overwrite=overwrite)

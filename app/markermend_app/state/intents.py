@@ -5,9 +5,12 @@ from pathlib import Path
 from typing import Any
 
 from markermend.model import KINDS, Kind
-from markermend_app.state.desk import VIEWS, Desk
+from markermend_app.state.curves import is_relative
+from markermend_app.state.desk import SIGNALS, VIEWS, Desk
+from markermend_app.state.queueing import FILTERS
 
 Fields = Mapping[str, Any]
+LEAST_FACTOR, MOST_FACTOR = 0.5, 4.0
 Intention = Callable[[Desk, Any, Fields], None]
 
 
@@ -46,12 +49,65 @@ def _filter(desk: Desk, arg: Any, _: Fields) -> None:
         desk.toggle_kind(arg)
 
 
+def _text(desk: Desk, arg: Any, _: Fields) -> None:
+    desk.text = str(arg or "")[:80]
+
+
+def _verdict(desk: Desk, arg: Any, _: Fields) -> None:
+    desk.verdict = str(arg) if arg in FILTERS else ""
+
+
+def _threshold(kind: Kind) -> Intention:
+    def change(desk: Desk, arg: Any, _: Fields) -> None:
+        desk.set_threshold(kind, min(MOST_FACTOR, max(LEAST_FACTOR, float(arg))))
+
+    return change
+
+
+def _open(desk: Desk, arg: Any, fields: Fields) -> None:
+    path = str(arg or fields.get("path", "")).strip().strip('"')
+    if path:
+        desk.open(Path(path).expanduser())
+    else:
+        desk.fail("Give the path of a recording.")
+
+
+def _span(act: Callable[[Desk, int, int], None]) -> Intention:
+    def moved(desk: Desk, arg: Any, _: Fields) -> None:
+        start, stop = arg if isinstance(arg, list | tuple) and len(arg) == 2 else (0, 0)
+        if int(start) < int(stop):
+            act(desk, int(start), int(stop))
+
+    return moved
+
+
+def _signal(desk: Desk, arg: Any, _: Fields) -> None:
+    if arg in SIGNALS:
+        desk.signal = arg
+
+
+def _relative(desk: Desk, _: Any, __: Fields) -> None:
+    desk.relative = not is_relative(desk)
+
+
+def _run(desk: Desk, arg: Any, fields: Fields) -> None:
+    """Do what was chosen in the command palette."""
+    name = str(arg or "")
+    desk.close_dialog()
+    if name in INTENTIONS and name != "run":
+        INTENTIONS[name](desk, None, fields)
+
+
 def _write(desk: Desk, _: Any, fields: Fields) -> None:
     target = str(fields.get("target", "")).strip()
     if not target:
         desk.fail("Give the export a file name.")
         return
-    desk.export(Path(target), overwrite=bool(fields.get("overwrite")))
+    desk.export(
+        Path(target).expanduser(),
+        overwrite=bool(fields.get("overwrite")),
+        report=bool(fields.get("report")),
+    )
 
 
 def _units(desk: Desk, arg: Any, _: Fields) -> None:
@@ -84,6 +140,32 @@ INTENTIONS: Mapping[str, Intention] = {
     "next": lambda desk, arg, fields: desk.next(),
     "previous": lambda desk, arg, fields: desk.previous(),
     "filter_kind": _filter,
+    "filter_text": _text,
+    "filter_verdict": _verdict,
+    "filter_clear": lambda desk, arg, fields: desk.clear_filters(),
+    "learning": _toggle("learning"),
+    "note": lambda desk, arg, fields: desk.show("note") if desk.current else None,
+    "note_keep": lambda desk, arg, fields: desk.annotate(str(fields.get("note", ""))),
+    "reopen": lambda desk, arg, fields: desk.reopen(),
+    "edge_start": lambda desk, arg, fields: desk.start_here(),
+    "edge_stop": lambda desk, arg, fields: desk.stop_here(),
+    "edges": _span(Desk.move_edges),
+    "split": lambda desk, arg, fields: desk.split(),
+    "merge": lambda desk, arg, fields: desk.merge(),
+    "add_begin": lambda desk, arg, fields: desk.begin_span(),
+    "add_end": lambda desk, arg, fields: desk.end_span(),
+    "add": _span(Desk.add_span),
+    "adding": _toggle("adding"),
+    "remove": lambda desk, arg, fields: desk.remove_added(),
+    "similar": lambda desk, arg, fields: desk.show_similar(),
+    "similar_decide": lambda desk, arg, fields: desk.decide_similar(str(arg)),
+    "try_slow": lambda desk, arg, fields: desk.try_slow(str(arg)),
+    "refused": _toggle("refused_shown"),
+    "thresholds": lambda desk, arg, fields: desk.show("thresholds") if desk.opened else None,
+    **{f"threshold_{kind}": _threshold(kind) for kind in KINDS},
+    "signal": _signal,
+    "signal_next": lambda desk, arg, fields: desk.signal_next(),
+    "relative": _relative,
     "play": _toggle("playing"),
     "frame_back": lambda desk, arg, fields: desk.step_frame(-1),
     "frame_on": lambda desk, arg, fields: desk.step_frame(1),
@@ -99,8 +181,16 @@ INTENTIONS: Mapping[str, Intention] = {
     "redo": lambda desk, arg, fields: desk.redo(),
     "theme": _theme,
     "prefer_dark": _prefer_dark,
-    "help": lambda desk, arg, fields: desk.show_help(),
+    "help": lambda desk, arg, fields: desk.show("help"),
+    "commands": lambda desk, arg, fields: desk.show("commands"),
+    "run": _run,
+    "history": lambda desk, arg, fields: desk.show("history") if desk.session else None,
+    "history_go": lambda desk, arg, fields: desk.go_to(int(arg)),
+    "takes": lambda desk, arg, fields: desk.show_takes(),
+    "open": _open,
+    "cancel": lambda desk, arg, fields: desk.cancel(),
     "export": lambda desk, arg, fields: desk.plan_export(),
+    "report": lambda desk, arg, fields: desk.report(),
     "export_write": _write,
     "answer_units": _units,
     "answer_rate": _rate,
@@ -109,6 +199,14 @@ INTENTIONS: Mapping[str, Intention] = {
 }
 WITH_DIALOG = {
     "close",
+    "note_keep",
+    "similar_decide",
+    *(f"threshold_{kind}" for kind in KINDS),
+    "learning",
+    "run",
+    "history_go",
+    "open",
+    "cancel",
     "dismiss",
     "export_write",
     "answer_units",

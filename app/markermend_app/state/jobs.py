@@ -14,7 +14,7 @@ LOG = logging.getLogger(__name__)
 
 
 class Jobs:
-    """Runs work in a thread; every result is tagged, and a stale one is dropped.
+    """Runs work in threads, one per topic; every result is tagged, and a stale one is dropped.
 
     Parameters
     ----------
@@ -26,14 +26,19 @@ class Jobs:
 
     def __init__(self, schedule: Schedule, failed: Callable[[str], None]) -> None:
         self._schedule, self._failed = schedule, failed
-        self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix="markermend")
+        self._pools: dict[str, ThreadPoolExecutor] = {}
         self._current: dict[str, object] = {}
+        self._closed = False
 
     def run(self, topic: str, work: Callable[["Ticket"], T], done: Callable[[T], None]) -> None:
         """Do `work` for a topic; work for the same topic that is under way becomes stale."""
+        if self._closed:
+            return
         ticket = Ticket(self, topic)
         self._current[topic] = ticket
-        self._pool.submit(self._do, ticket, work, done)
+        if topic not in self._pools:
+            self._pools[topic] = ThreadPoolExecutor(1, thread_name_prefix=f"markermend-{topic}")
+        self._pools[topic].submit(self._do, ticket, work, done)
 
     def _do(
         self, ticket: "Ticket", work: Callable[["Ticket"], T], done: Callable[[T], None]
@@ -57,12 +62,15 @@ class Jobs:
 
     def wait(self) -> None:
         """Wait until all work handed in so far is done; its results may still be scheduled."""
-        self._pool.submit(lambda: None).result()
+        for pool in list(self._pools.values()):
+            pool.submit(lambda: None).result()
 
     def close(self) -> None:
         """Make everything stale and take no more work."""
+        self._closed = True
         self._current.clear()
-        self._pool.shutdown(wait=False, cancel_futures=True)
+        for pool in self._pools.values():
+            pool.shutdown(wait=False, cancel_futures=True)
 
 
 class Ticket:

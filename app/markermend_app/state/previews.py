@@ -1,18 +1,24 @@
 """The repairs offered for one finding, row by row as they are computed."""
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from markermend.errors import CannotRepair
 from markermend.model import Kind, Span, Take
 from markermend.repairing import DEFAULTS, REPAIRS, Repair, repair
+from markermend.repairing.checks import Checks
+from markermend.repairing.compare import Row, compare_iter, concluded
+from markermend.repairing.trust import SLOW, Trust
 from markermend.review import Judgement
+
+AT_HAND = ("rigid", "pchip", "linear")
+"""Methods that take a few milliseconds; what they give is shown before anything is compared."""
 
 
 @dataclass(frozen=True, eq=False)
 class Preview:
-    """One row of the table of repairs: pending, ready or refused.
+    """One row of the table of repairs: pending, ready, refused, or only tried on request.
 
     Attributes
     ----------
@@ -24,9 +30,12 @@ class Preview:
         Why the method does not apply here, or empty.
     seconds
         How long it took.
-    change_mm
-        Largest distance between the repaired and the recorded marker in the span, in mm; None
-        where nothing was recorded.
+    trust, checks
+        Its errors on pseudo-gaps and how it fits, once they are known.
+    compared
+        Whether nothing more will become known of it.
+    slow
+        Whether it takes so long that it is computed on request only.
     """
 
     name: str
@@ -34,7 +43,10 @@ class Preview:
     repair: Repair | None = None
     reason: str = ""
     seconds: float = 0.0
-    change_mm: float | None = None
+    trust: Trust | None = None
+    checks: Checks | None = None
+    compared: bool = False
+    slow: bool = False
 
     @property
     def summary(self) -> str:
@@ -46,51 +58,127 @@ class Preview:
         """Whether it is still to be computed."""
         return self.repair is None and not self.reason
 
+    @property
+    def row(self) -> Row:
+        """The same as a row of a comparison."""
+        return Row(
+            self.name, self.title, self.repair, self.trust, self.checks, self.seconds, self.reason
+        )
 
-def compute(
-    take: Take, judged: Judgement, masked: Sequence[tuple[str, Span]]
-) -> Iterator[tuple[Preview, ...]]:
-    """Yield all rows again and again, one more of them computed each time.
 
-    The defaults of the kind come first; ``leave`` stands last and is there at once.
+@dataclass(frozen=True, eq=False)
+class Offer:
+    """All rows for one finding as far as they are known, and the one that is recommended.
+
+    ``best`` is empty until something can be said; ``complete`` tells that all quick ones are done.
     """
-    first = DEFAULTS[judged.kind]
-    rest = [name for name in REPAIRS.names() if name not in (*first, "leave")]
-    rows = [Preview(name, REPAIRS.get(name).title) for name in (*first, *rest, "leave")]
-    for at in (len(rows) - 1, *range(len(rows) - 1)):
-        row = rows[at]
-        began = time.perf_counter()
-        try:
-            done = repair(
-                take,
-                judged.finding.marker,
-                judged.span,
-                row.name,
-                kind=judged.kind,
-                partner=judged.finding.partner,
-                masked=masked,
-            )
-            rows[at] = replace(
-                row,
-                repair=done,
-                seconds=time.perf_counter() - began,
-                change_mm=done.largest_change(take),
-            )
-        except CannotRepair as refusal:
-            rows[at] = replace(row, reason=str(refusal))
-        yield tuple(rows)
+
+    rows: tuple[Preview, ...]
+    best: str = ""
+    why: str = ""
+    complete: bool = False
 
 
-def recommended(rows: Sequence[Preview], kind: Kind) -> str:
-    """Give the first of the kind's defaults that applies; where none does, leave the gap.
+def at_hand(
+    take: Take, judged: Judgement, masked: Sequence[tuple[str, Span]], names: Sequence[str]
+) -> tuple[Preview, ...]:
+    """Give the rows of these methods, those computed that cost nothing: the first preview."""
+    wanted = (*DEFAULTS[judged.kind], *AT_HAND, "leave")
+    rows = []
+    for name in sorted(names, key=lambda name: wanted.index(name) if name in wanted else 99):
+        row = Preview(name, REPAIRS.get(name).title, slow=name in SLOW)
+        rows.append(_computed(row, take, judged, masked) if name in wanted else row)
+    return tuple(rows)
 
-    Empty as long as that is not known.
-    """
+
+def _computed(
+    row: Preview, take: Take, judged: Judgement, masked: Sequence[tuple[str, Span]]
+) -> Preview:
+    began = time.perf_counter()
+    try:
+        done = repair(
+            take,
+            judged.finding.marker,
+            judged.span,
+            row.name,
+            kind=judged.kind,
+            partner=judged.finding.partner,
+            masked=masked,
+        )
+    except CannotRepair as refusal:
+        return replace(row, reason=str(refusal), compared=True)
+    return replace(row, repair=done, seconds=time.perf_counter() - began)
+
+
+def compared(
+    take: Take,
+    judged: Judgement,
+    masked: Sequence[tuple[str, Span]],
+    rows: Sequence[Preview],
+    names: Iterable[str],
+) -> Iterator[Offer]:
+    """Try the named methods on pseudo-gaps; give all rows again after each of them."""
+    known = {row.name: row for row in rows}
+    names = tuple(names)
+    for at, row in enumerate(
+        compare_iter(
+            take,
+            judged.finding.marker,
+            judged.span,
+            names,
+            kind=judged.kind,
+            partner=judged.finding.partner,
+            masked=masked,
+        )
+    ):
+        known[row.method] = replace(
+            known[row.method],
+            repair=row.repair,
+            reason=row.refusal,
+            seconds=row.seconds,
+            trust=row.trust,
+            checks=row.checks,
+            compared=True,
+        )
+        yield recommended(tuple(known.values()), judged, complete=at + 1 == len(names))
+
+
+def quick(rows: Iterable[Preview]) -> tuple[str, ...]:
+    """Name the methods that are compared without being asked."""
+    return tuple(row.name for row in rows if not row.slow)
+
+
+def recommended(rows: Sequence[Preview], judged: Judgement, *, complete: bool) -> Offer:
+    """Say which row to take: by measured errors where there are any, else the kind's default."""
+    tried = [row.row for row in rows if row.compared]
+    kind = judged.kind
+    if complete or any(row.trust is not None for row in tried):
+        found = concluded(judged.finding.marker, judged.span, kind, tried)
+        return Offer(in_order(rows), found.recommended, found.why, complete)
+    return Offer(in_order(rows), _default(rows, kind), "", complete)
+
+
+def _default(rows: Sequence[Preview], kind: Kind) -> str:
+    """Give the first of the kind's defaults that applies; where none does, leave the gap."""
     state = {row.name: row for row in rows}
     for name in (*DEFAULTS[kind], "leave"):
         row = state.get(name)
-        if row is None or row.pending:
-            return ""
-        if row.repair is not None:
+        if row is not None and row.repair is not None:
             return name
     return ""
+
+
+def in_order(rows: Iterable[Preview]) -> tuple[Preview, ...]:
+    """Sort: lowest expected error first, then what is being computed, ``leave`` after all fills."""
+    return tuple(
+        sorted(
+            rows,
+            key=lambda r: (
+                bool(r.reason),
+                r.name == "leave",
+                r.slow and r.pending,
+                r.row.expected_mm,
+                not r.compared and r.pending,
+            ),
+        )
+    )

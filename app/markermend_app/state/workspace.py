@@ -4,12 +4,17 @@ import threading
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 
 from markermend import body, detection, io
+from markermend.errors import BadInput, StoreError
+from markermend.io.format import all_formats
 from markermend.model import Finding, Take
+from markermend.repairing import REPAIRS
 from markermend.review.session import ReviewSession
 from markermend.review.store import Store
+from markermend.review.triage import Triage, learn
 
 Progress = Callable[[str], None]
 
@@ -28,6 +33,38 @@ class Opened:
         return self.take.source.path.name if self.take.source else "take"
 
 
+@dataclass(frozen=True)
+class Place:
+    """A take that can be opened: where it lies, and when it was last seen here."""
+
+    path: Path
+    seen: str = ""
+
+
+@dataclass(frozen=True)
+class Takes:
+    """What the dialog for opening lists.
+
+    Attributes
+    ----------
+    given
+        What was named on the command line, folders resolved: the work list.
+    beside
+        Other takes in the folder of the one at hand.
+    recent
+        Those opened before, the last first.
+    """
+
+    given: tuple[Place, ...]
+    beside: tuple[Place, ...]
+    recent: tuple[Place, ...]
+
+
+MOST_RECENT = 12
+MOST_LEARNT = 200
+MOST_DROPPED_BYTES = 512_000_000
+
+
 class Workspace:
     """Opens takes once per process and keeps the latest few.
 
@@ -43,6 +80,10 @@ class Workspace:
         Take every sample of a C3D file as seen, whatever its residual says.
     detector
         Name of the detector.
+    methods
+        Names of the repairs that are offered; by default all.
+    ahead
+        How many findings are compared while the operator looks at another.
     """
 
     KEPT = 3
@@ -56,8 +97,11 @@ class Workspace:
         rate: float | None = None,
         ignore_residuals: bool = False,
         detector: str = detection.DEFAULT,
+        methods: tuple[str, ...] | None = None,
+        ahead: int = 3,
     ) -> None:
         self.store, self.paths, self.detector = store, paths, detector
+        self.methods, self.ahead = REPAIRS.names() if methods is None else methods, ahead
         self.units, self.rate, self.ignore_residuals = units, rate, ignore_residuals
         self._lock = threading.Lock()
         self._kept: OrderedDict[tuple[object, ...], Opened] = OrderedDict()
@@ -115,3 +159,75 @@ class Workspace:
                     "this is a new review, and the earlier one is kept with the earlier content."
                 )
         return ReviewSession.open(self.store, take), tuple(told)
+
+    def learnt(self, opened: Opened) -> Triage:
+        """Learn from the operator's reviews of other takes; of this one, nothing.
+
+        So the order of a queue does not change while somebody works in it.
+        """
+        reviews = []
+        for record in self.store.reviews()[-MOST_LEARNT:]:
+            if record.take == opened.take.content_hash or record.purpose != "review":
+                continue
+            try:
+                reviews.append(ReviewSession(self.store, record).review)
+            except StoreError:
+                continue  # a newer version wrote it: nothing can be learnt from what is not read
+        return learn(reviews)
+
+    def takes(self, here: Path | None) -> Takes:
+        """List what can be opened, seen from the folder of `here`."""
+        given = tuple(Place(path) for path in self.paths)
+        known = set(self.paths)
+        beside = () if here is None else tuple(
+            Place(path) for path in takes_in(here.parent) if path not in known
+        )  # fmt: skip
+        recent = tuple(
+            Place(record.path, f"{record.last_seen.astimezone():%Y-%m-%d %H:%M}")
+            for record in self.store.takes(4 * MOST_RECENT)
+            if record.path is not None and record.path.exists()
+        )
+        return Takes(given, beside, recent[:MOST_RECENT])
+
+    def keep(self, name: str, data: bytes) -> Path:
+        """Keep a file that came from the browser, which has no path, beside the store.
+
+        Raises
+        ------
+        BadInput
+            If it cannot be a take by its name or size, or there is nowhere to keep it.
+        """
+        plain = Path(name.replace("\\", "/")).name
+        known = extensions()
+        if Path(plain).suffix.lower() not in known:
+            raise BadInput(f"{plain!r} is no take; drop a file that ends in {', '.join(known)}.")
+        if len(data) > MOST_DROPPED_BYTES:
+            raise BadInput(
+                f"{plain} has {len(data) / 1e6:.0f} MB, more than can be dropped; name it when "
+                "starting: markermend review PATH."
+            )
+        folder = Path(self.store.where).parent / "dropped" / sha256(data).hexdigest()[:12]
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            (folder / plain).write_bytes(data)
+        except OSError as error:
+            raise BadInput(
+                f"{plain} cannot be kept in {folder} ({error.strerror}); name it when starting: "
+                "markermend review PATH."
+            ) from None
+        return folder / plain
+
+
+def extensions() -> tuple[str, ...]:
+    """Give the endings of the files that can be read."""
+    return tuple(dict.fromkeys(ext.lower() for f in all_formats() for ext in f.extensions))
+
+
+def takes_in(folder: Path) -> tuple[Path, ...]:
+    """Give the takes in a folder, by name; folders in it are not entered."""
+    known = extensions()
+    try:
+        found = [p for p in folder.iterdir() if p.suffix.lower() in known and p.is_file()]
+    except OSError:
+        return ()
+    return tuple(sorted(found, key=lambda p: p.name.lower()))

@@ -10,6 +10,16 @@ function findDeep(node, selector) {
   return null;
 }
 
+const CHUNK = 3 * 2 ** 18;
+
+function base64(bytes) {
+  let text = "";
+  for (let i = 0; i < bytes.length; i += 8192) {
+    text += String.fromCharCode(...bytes.subarray(i, i + 8192));
+  }
+  return btoa(text);
+}
+
 export function render({ model, el }) {
   el.style.display = "none";
   const theme = () => { document.documentElement.dataset.theme = model.theme; };
@@ -36,11 +46,43 @@ export function render({ model, el }) {
     const detail = { frame: Number(slider.value) };
     window.dispatchEvent(new CustomEvent("markermend:seek", { detail }));
   };
-  window.addEventListener("markermend:frame", clock);
-  window.addEventListener("input", slide, true);
+
+  // The field is entered in the browser: what is typed next must not reach the shortcuts.
+  const filter = () => findDeep(document, ".filter input")?.focus();
+
+  // Dragging over a lane pans it, or sweeps out a span to be added.
+  const adding = () => {
+    for (const name of ["lane-x", "lane-y", "lane-z"]) {
+      const tools = Bokeh.documents[0]?.get_model_by_name(name)?.toolbar.tools ?? [];
+      for (const tool of tools) {
+        if (tool.type === "PanTool") tool.active = !model.adding;
+        if (tool.name === "sweep") tool.active = model.adding;
+      }
+    }
+  };
+  model.on("adding", adding);
+
+  const over = (event) => {
+    if ([...(event.dataTransfer?.types ?? [])].includes("Files")) event.preventDefault();
+  };
+  const drop = async (event) => {
+    const file = event.dataTransfer?.files[0];
+    if (!file) return;
+    event.preventDefault();
+    const bytes = new Uint8Array(await file.arrayBuffer());
+    for (let at = 0; at === 0 || at < bytes.length; at += CHUNK) {
+      const last = at + CHUNK >= bytes.length;
+      model.send_msg({ file: file.name, first: at === 0, last, data: base64(bytes.subarray(at, at + CHUNK)) });
+    }
+  };
+
+  const listeners = [
+    ["markermend:frame", clock], ["input", slide], ["markermend:filter", filter],
+    ["dragover", over], ["drop", drop],
+  ];
+  for (const [type, listener] of listeners) window.addEventListener(type, listener, true);
   model.on("remove", () => {
-    window.removeEventListener("markermend:frame", clock);
-    window.removeEventListener("input", slide, true);
+    for (const [type, listener] of listeners) window.removeEventListener(type, listener, true);
   });
   if (matchMedia("(prefers-color-scheme: dark)").matches) {
     model.send_msg({ do: "prefer_dark", arg: null, fields: {} });

@@ -5,7 +5,7 @@ from html import escape
 from markermend_app.state.desk import Desk
 from markermend_app.views.markup import button, icon, kbd
 
-SHOWS = ("opened", "review", "findings", "busy", "saved", "theme")
+SHOWS = ("opened", "review", "findings", "busy", "saved", "theme", "thresholds")
 MARK = (
     '<svg width="22" height="22" viewBox="0 0 22 22" aria-hidden="true">'
     '<path d="M2 16 6.500 6l3.500 7" fill="none" stroke="var(--ink)" stroke-width="2"/>'
@@ -21,7 +21,11 @@ def render(desk: Desk) -> str:
     facts = name = progress = ""
     if desk.opened and take:
         name = escape(desk.opened.name)
-        facts = f"{len(take.measured)} markers · {take.rate:g} Hz · {take.duration_s:.1f} s"
+        subjects = len({label.rpartition(":")[0] for label in take.labels} - {""})
+        several = f"{subjects} subjects · " if subjects > 1 else ""
+        facts = (
+            f"{several}{len(take.measured)} markers · {take.rate:g} Hz · {take.duration_s:.1f} s"
+        )
     if counts.total:
         share = 100 * counts.settled / counts.total
         progress = (
@@ -29,10 +33,20 @@ def render(desk: Desk) -> str:
             f'<span class="bar" role="progressbar" aria-valuenow="{share:.0f}" '
             f'aria-label="settled"><i style="width:{share:.1f}%"></i></span>'
         )
+        left = _time_left(desk.pace_s, counts.open)
+        progress += f'<span class="quiet num small-out">{left}</span>' if left else ""
     if desk.busy:
-        progress = f'<span role="status">{escape(desk.busy)} …</span>'
-    saved = f'<span class="quiet num small-out">{icon("saved", 13)}</span>' if desk.saved else ""
-    saved += f'<span class="quiet num small-out">Saved {escape(desk.saved)}</span>' if saved else ""
+        cancel = button("cancel", "Cancel", classes="tool boxed", key=False)
+        progress = (
+            f'<span role="status">{escape(desk.busy)} …</span><span class="bar running" '
+            f'role="progressbar" aria-label="{escape(desk.busy)}"><i></i></span>{cancel}'
+        )
+    saved = ""
+    if desk.saved:
+        saved = (
+            f'<span class="quiet num small-out saved" title="Every decision is on disk at once">'
+            f"{icon('saved', 13)}Saved {escape(desk.saved)}</span>"
+        )
     past, future = desk.steps
     undo_title = f"Undo: {past[-1]}" if past else "Nothing to undo"
     redo_title = f"Redo: {future[0]}" if future else "Nothing to redo"
@@ -43,17 +57,33 @@ def render(desk: Desk) -> str:
                    title=undo_title, disabled=not past),
             button("redo", icon("redo") + '<span class="small-out">Redo</span>',
                    title=redo_title, disabled=not future),
-            button("help", "Help"),
+            button("history", icon("down", 12), title="History of decisions", key=False),
+            '<span class="rule"></span>',
+            button("commands", '<span class="small-out">Commands</span>', title="Find a command"),
+            button("help", '<span class="small-out">Help</span>', title="All keys"),
             button("theme", icon("theme"), title="Light or dark"),
             button("export", "Export…", classes="tool boxed", disabled=take is None),
         )
     )  # fmt: skip
     return (
         f'<div class="header"><div><span class="brand">{MARK}MarkerMend</span>'
-        f'<span class="name" title="{name}">{name}</span>'
-        f'<span class="quiet num small-out">{facts}</span></div>'
+        + button(
+            "takes",
+            f'{icon("open", 14)}<span class="name">{name or "Open…"}</span>',
+            title=f"Open another take: {desk.opened.name if desk.opened else ''}",
+            key=False,
+        )
+        + f'<span class="quiet num small-out">{facts}</span></div>'
         f'<div class="progress">{progress}</div><div class="tools">{tools}</div></div>'
     )
+
+
+def _time_left(pace_s: float | None, n_open: int) -> str:
+    if pace_s is None or not n_open:
+        return "ready to export" if not n_open else ""
+    minutes = pace_s * n_open / 60
+    left = "under 1 min left" if minutes < 1 else f"about {minutes:.0f} min left"
+    return f"{pace_s:.0f} s each · {left}" if pace_s >= 1 else left
 
 
 def message(desk: Desk) -> str:

@@ -3,7 +3,7 @@
 from html import escape
 
 from markermend.model import FloatArray, Kind
-from markermend_app.keys import HINTS
+from markermend_app.keys import in_force
 
 ICONS = {
     "undo": "M5.5 3 2.5 6l3 3M3 6h6a4 4 0 0 1 0 8H7.5",
@@ -18,6 +18,10 @@ ICONS = {
     "play": "m5 3 8 5-8 5z",
     "pause": "M5.500 3v10M10.500 3v10",
     "star": "m8 2 1.8 4 4.2.5-3.1 2.9.8 4.100L8 11.4l-3.700 2.100.8-4.100L2 6.500 6.200 6z",
+    "note": "M3 3h10v8H8l-3 2.500V11H3z",
+    "open": "M2 4h4l1.500 2H14v7H2z",
+    "down": "m4 6 4 4 4-4",
+    "right": "m6 4 4 4-4 4",
     "saved": "m3 8.500 3 3 6.500-7.500",
 }
 
@@ -33,7 +37,7 @@ def icon(name: str, size: int = 15, filled: bool = False) -> str:
 
 def kbd(action: str) -> str:
     """Give the key of an intention, or nothing where it has none."""
-    hint = HINTS.get(action, "")
+    hint = in_force().hints.get(action, "")
     return f"<kbd>{escape(hint)}</kbd>" if hint else ""
 
 
@@ -47,6 +51,7 @@ def button(
     disabled: bool = False,
     pressed: bool | None = None,
     key: bool = True,
+    current: bool = False,
 ) -> str:
     """Give a button that sends an intention; `label` is HTML, everything else is text."""
     attributes = [f'class="{classes}"', f'data-do="{escape(action)}"', 'type="button"']
@@ -58,7 +63,19 @@ def button(
         attributes.append("disabled")
     if pressed is not None:
         attributes.append(f'aria-pressed="{str(pressed).lower()}"')
+    if current:
+        attributes.append('aria-current="true"')
     return f"<button {' '.join(attributes)}>{label}{kbd(action) if key else ''}</button>"
+
+
+def footer(*buttons: str) -> str:
+    """Give the foot of a dialog."""
+    return f"<footer>{''.join(buttons)}</footer>"
+
+
+def closing(label: str) -> str:
+    """Give the button that closes a dialog."""
+    return button("close", label, classes="deed")
 
 
 def number(value: float | None) -> str:

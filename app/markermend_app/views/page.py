@@ -6,7 +6,7 @@ from typing import Any
 
 import panel as pn
 
-from markermend_app.keys import ACTION_OF_KEY, SHORTCUTS
+from markermend_app.keys import in_force
 from markermend_app.state.desk import Desk
 from markermend_app.state.intents import perform
 from markermend_app.style.sheet import PAGE_STYLESHEET
@@ -26,17 +26,22 @@ def build(desk: Desk) -> pn.Template:
     def intent(name: str, arg: Any, fields: Mapping[str, Any]) -> None:
         perform(desk, name, arg, fields)
 
-    lanes, overview, stage = LanesView(desk), OverviewView(desk), Stage(desk)
+    lanes, overview, stage = LanesView(desk, intent), OverviewView(desk), Stage(desk)
+    keys = in_force()
     keyboard = KeyListener(
-        keys=list(ACTION_OF_KEY), repeating=[k for s in SHORTCUTS if s.repeats for k in s.keys]
+        keys=list(keys.actions),
+        repeating=keys.repeating,
+        local={k: {"event": f"markermend:{do}", "detail": {}} for k, do in keys.at_once.items()},
     )
-    keyboard.on_key(lambda key: perform(desk, ACTION_OF_KEY[key]))
+    keyboard.on_key(lambda key: perform(desk, keys.actions[key]))
     page = pn.Template(TEMPLATE.read_text(encoding="utf-8"))
     page.add_variable("css", PAGE_STYLESHEET)
     parts = {
         "header": (header.render, header.SHOWS),
         "message": (header.message, ("message",)),
         "queue_head": (queue.head, queue.HEAD_SHOWS),
+        "queue_foot": (queue.foot, queue.HEAD_SHOWS),
+        "evidence_head": (title.evidence_head, title.EVIDENCE_SHOWS),
         "title": (title.render, title.SHOWS),
         "legend": (title.legend, title.LEGEND_SHOWS),
         "overview_head": (title.overview_head, ()),
@@ -53,6 +58,7 @@ def build(desk: Desk) -> pn.Template:
         )
     page.add_panel("queue", queue.Queue(desk, intent, sizing_mode="stretch_both", margin=0))
     page.add_panel("lanes", lanes.panel)
+    page.add_panel("evidence", lanes.evidence)
     page.add_panel("overview", overview.panel)
     page.add_panel("scene", stage.panel)
     page.add_panel("document", Document(desk, intent))

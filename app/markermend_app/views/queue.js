@@ -1,4 +1,5 @@
-// A list of any length: only the rows that can be seen exist. Rows are HTML made by Python.
+// A list of any length: only the rows that can be seen exist. Rows are HTML made by Python, which
+// sends the order and those rows that are new or have changed.
 export function render({ model, el }) {
   const list = document.createElement("div");
   list.className = "root rows";
@@ -6,19 +7,29 @@ export function render({ model, el }) {
   list.setAttribute("aria-label", "Findings");
   list.tabIndex = 0;
   const spacer = document.createElement("div");
+  spacer.setAttribute("role", "presentation");
   list.append(spacer);
   el.append(list);
-  const shown = new Map();
+  const shown = new Map(), rows = new Map();
+  let order = [];
 
   const rowHeight = () => parseFloat(getComputedStyle(list).getPropertyValue("--row")) || 30;
+  const take = (table) => {
+    const plain = (value) => (value instanceof Map ? Object.fromEntries(value) : value);
+    const { ids, changed } = plain(table);
+    for (const [id, row] of Object.entries(plain(changed))) rows.set(id, plain(row));
+    order = ids;
+    const left = new Set(ids);
+    for (const id of rows.keys()) if (!left.has(id)) rows.delete(id);
+  };
 
   const draw = () => {
-    const height = rowHeight(), rows = model.rows;
-    spacer.style.height = `${rows.length * height}px`;
+    const height = rowHeight();
+    spacer.style.height = `${order.length * height}px`;
     const first = Math.max(0, Math.floor(list.scrollTop / height) - 5);
-    const last = Math.min(rows.length, Math.ceil((list.scrollTop + list.clientHeight) / height) + 5);
+    const last = Math.min(order.length, Math.ceil((list.scrollTop + list.clientHeight) / height) + 5);
     const wanted = new Map();
-    for (let i = first; i < last; i++) wanted.set(rows[i].id, i);
+    for (let i = first; i < last; i++) wanted.set(order[i], i);
     for (const [id, row] of shown) {
       if (!wanted.has(id)) { row.remove(); shown.delete(id); }
     }
@@ -26,27 +37,29 @@ export function render({ model, el }) {
       let row = shown.get(id);
       if (!row) {
         row = document.createElement("div");
+        row.id = `finding-${id}`;
         shown.set(id, row);
         list.append(row);
       }
-      const selected = id === model.selected;
-      const markup = rows[i].html;
-      if (row.markup !== markup) { row.innerHTML = markup; row.markup = markup; }
-      row.className = rows[i].divider ? "divider" : `row ${rows[i].settled ? "settled" : ""}`;
+      const selected = id === model.selected, { html, divider, settled } = rows.get(id);
+      if (row.markup !== html) { row.innerHTML = html; row.markup = html; }
+      row.className = divider ? "divider" : `row ${settled ? "settled" : ""}`;
       row.style.top = `${i * height}px`;
       row.dataset.id = id;
-      if (!rows[i].divider) {
-        row.setAttribute("role", "option");
+      row.setAttribute("role", divider ? "presentation" : "option");
+      if (!divider) {
         row.setAttribute("aria-selected", selected);
         row.setAttribute("aria-posinset", i + 1);
-        row.setAttribute("aria-setsize", rows.length);
+        row.setAttribute("aria-setsize", order.length);
       }
     }
+    if (shown.has(model.selected)) list.setAttribute("aria-activedescendant", `finding-${model.selected}`);
+    else list.removeAttribute("aria-activedescendant");
   };
 
   const reveal = () => {
     const height = rowHeight();
-    const at = model.rows.findIndex((row) => row.id === model.selected);
+    const at = order.indexOf(model.selected);
     if (at < 0) return;
     const top = at * height;
     if (top < list.scrollTop) list.scrollTop = top;
@@ -59,12 +72,21 @@ export function render({ model, el }) {
     const row = event.target.closest(".row");
     if (row) model.send_msg({ do: "select", arg: row.dataset.id, fields: {} });
   });
+  list.addEventListener("keydown", (event) => {
+    const by = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+    if (!by) return;
+    event.preventDefault();
+    const ids = order.filter((id) => !rows.get(id).divider);
+    const at = ids.indexOf(model.selected) + by;
+    if (at >= 0 && at < ids.length) model.send_msg({ do: "select", arg: ids[at], fields: {} });
+  });
   list.addEventListener("scroll", draw, { passive: true });
   const observer = new ResizeObserver(draw);
   observer.observe(list);
-  model.on("rows", () => { reveal(); draw(); });
+  model.on("msg:custom", (table) => { take(table); reveal(); draw(); });
   model.on("selected", () => { reveal(); draw(); });
   model.on("remove", () => observer.disconnect());
+  take(model.table);
   reveal();
   draw();
 }

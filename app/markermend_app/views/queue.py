@@ -1,6 +1,6 @@
 """The queue: open findings worst first, settled ones below; of any length."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -13,18 +13,28 @@ from markermend.model import Finding, short
 from markermend_app.state.desk import Desk
 from markermend_app.style.kinds import KIND_STYLES, glyph
 from markermend_app.style.sheet import STYLESHEET
-from markermend_app.views.markup import button, icon, number, spark
+from markermend_app.views.markup import button, icon, kbd, number, spark
 from markermend_app.views.part import Intent
 
-HEAD_SHOWS = ("findings", "review", "kinds", "opened")
+HEAD_SHOWS = (
+    "findings",
+    "review",
+    "kinds",
+    "opened",
+    "text",
+    "verdict",
+    "learning",
+    "adding",
+    "begun",
+)
 VERDICT_WORDS = {"accepted": "Accepted", "rejected": "False alarm", "deferred": "Set aside"}
 
 
 def head(desk: Desk) -> str:
-    """Give the head of the queue: how many are open, and a filter by kind."""
-    queue = [f for f in desk.findings if not desk.review.decision(f).settled]
+    """Give the head of the queue: how many are open, and the filters."""
+    left = [f for f in desk.findings if not desk.review.decision(f).settled]
     of_kind = dict.fromkeys(KIND_STYLES, 0)
-    for finding in queue:
+    for finding in left:
         of_kind[desk.judged(finding).kind] += 1
     chips = "".join(
         button(
@@ -38,30 +48,79 @@ def head(desk: Desk) -> str:
         )
         for kind, style in KIND_STYLES.items()
     )
-    count = f"{len(queue)} open" if desk.opened else ""
+    count = f"{len(left)} open" if desk.opened else ""
+    verdicts = "".join(
+        f'<option value="{value}"{" selected" if value == desk.verdict else ""}>{word}</option>'
+        for value, word in (("", "All settled"), *VERDICT_WORDS.items())
+    )
+    learning = ""
+    if desk.triage.n_decisions:
+        learning = button(
+            "learning",
+            "Worst first" if not desk.learning else "Worst, likely first",
+            title=f"Order by {desk.triage.n_decisions} earlier decisions too, or only by damage",
+            pressed=desk.learning,
+            key=False,
+        )
     return (
         f'<div class="head"><h2>Findings</h2><span class="num quiet">{count}</span>'
-        '<span class="push quiet">Worst first</span></div>'
+        f'<span class="push quiet">{learning or "Worst first"}</span></div>'
         f'<div class="chips" role="group" aria-label="Filter by kind">{chips}</div>'
-        '<div class="columns"><span></span><span>Marker</span><span>Shape</span><span>mm</span>'
-        "<span>s</span><span>Damage</span></div>"
-        f"{_empty(desk, len(queue))}"
+        '<div class="filter"><input type="text" name="filter" data-do="filter_text" '
+        f'value="{escape(desk.text)}" aria-label="Filter by marker" placeholder="Marker" '
+        f'spellcheck="false" autocomplete="off">{kbd("filter")}'
+        f'<select data-do="filter_verdict" aria-label="Verdicts listed">{verdicts}</select></div>'
+        '<div class="columns" aria-hidden="true"><span></span><span>Marker</span>'
+        "<span>Shape</span><span>mm</span><span>s</span><span>Damage</span></div>"
+        f"{_empty(desk, len(left))}"
     )
 
 
+def foot(desk: Desk) -> str:
+    """Give what can be done with the list as a whole."""
+    if desk.opened is None:
+        return '<div class="foot"></div>'
+    add = "Drag over a lane" if desk.adding else "Add span"
+    if desk.begun is not None:
+        at = desk.begun / desk.opened.take.rate
+        add = f"Begun at {at:.2f} s"
+    return (
+        '<div class="foot">'
+        + button("adding", f"{add}{kbd('add_begin')}{kbd('add_end')}", key=False,
+                 pressed=desk.adding, classes="tool on" if desk.adding else "tool",
+                 title="Drag over a lane, or press I where a span begins and O where it ends")
+        + button("thresholds", "Thresholds")
+        + "</div>"
+    )  # fmt: skip
+
+
 def _empty(desk: Desk, n_open: int) -> str:
-    if desk.opened is None or desk.busy:
-        return ""
+    if desk.opened is None:
+        return "" if desk.busy else _no_take()
     if not desk.findings:
-        return '<div class="empty">Nothing found in this take.</div>'
+        return (
+            '<div class="empty"><b>Nothing found at these thresholds.</b>'
+            f"{button('thresholds', 'Thresholds', classes='tool boxed')}</div>"
+        )
     if not n_open:
-        done = f"All {len(desk.findings)} findings are settled."
-        return f'<div class="empty">{done}{button("export", "Export…", classes="tool boxed")}</div>'
-    if not desk.queue:
-        kind = next(iter(desk.kinds))
-        clear = button("filter_kind", "Clear filter", classes="tool boxed", arg=kind, key=False)
-        return f'<div class="empty">No open {kind} findings.{clear}</div>'
-    return ""
+        done = f"<b>All {len(desk.findings)} findings are settled.</b>"
+        return (
+            f'<div class="empty">{done}<span>Look through what will change, then export.</span>'
+            f"{button('export', 'Summary and export…', classes='tool boxed')}</div>"
+        )
+    if desk.queue or not desk.filtered:
+        return ""
+    what = f"{next(iter(desk.kinds))} " if len(desk.kinds) == 1 else ""
+    where = f" at {escape(desk.text.strip())}" if desk.text.strip() else ""
+    clear = button("filter_clear", "Clear filter", classes="tool boxed", key=False)
+    return f'<div class="empty">No open {what}findings{where}.{clear}</div>'
+
+
+def _no_take() -> str:
+    return (
+        '<div class="empty"><b>No take is open.</b><span>Drop a recording here, or choose one.'
+        f"</span>{button('takes', 'Open…', classes='tool boxed')}</div>"
+    )
 
 
 def _marker(finding: Finding, aside: str = "") -> str:
@@ -70,9 +129,9 @@ def _marker(finding: Finding, aside: str = "") -> str:
 
 
 class Queue(JSComponent):
-    """The list; rows are made once per finding and only sent when they change."""
+    """The list; a row is made once and sent when it changes."""
 
-    rows: list[dict[str, Any]] = param.List(default=[])
+    table = param.Dict(default={"ids": [], "changed": {}}, doc="The list as it was at first.")
     selected = param.String(default="")
 
     _esm = Path(__file__).with_name("queue.js")
@@ -81,33 +140,62 @@ class Queue(JSComponent):
     def __init__(self, desk: Desk, intent: Intent, **params: Any) -> None:
         self._desk, self._intent = desk, intent
         self._shapes: dict[tuple[str, int, int], str] = {}
-        super().__init__(rows=self._rows(), selected=desk.selected, **params)
-        desk.param.watch(self._refill, ["findings", "review", "kinds"])
+        self._made: dict[str, tuple[Any, dict[str, Any]]] = {}
+        rows = self._rows()
+        self._sent = rows
+        first = {"ids": list(rows), "changed": rows}
+        super().__init__(table=first, selected=desk.selected, **params)
+        desk.param.watch(
+            self._refill, ["findings", "review", "kinds", "text", "verdict", "learning", "opened"]
+        )
         desk.param.watch(self._reselect, ["selected"])
 
-    def _refill(self, *_: object) -> None:
-        rows = self._rows()
-        if rows != self.rows:
-            self.rows = rows
+    def _refill(self, *events: Any) -> None:
+        if any(event.name == "opened" for event in events):
+            self._shapes.clear()
+            self._made.clear()
+        rows, sent = self._rows(), self._sent
+        changed = {key: row for key, row in rows.items() if sent.get(key) is not row}
+        if changed or list(rows) != list(sent):
+            self._sent = rows
+            self._send_msg({"ids": list(rows), "changed": changed})
 
     def _reselect(self, *_: object) -> None:
         self.selected = self._desk.selected
 
-    def _rows(self) -> list[dict[str, Any]]:
+    def _rows(self) -> dict[str, dict[str, Any]]:
         desk = self._desk
+        if desk.opened is None:
+            return {}
         queue, settled = desk.queue, desk.settled
-        worst = max((desk.damage(f) for f in queue), default=0.0) or 1.0
-        rows = [self._open_row(f, desk.damage(f) / worst) for f in queue]
+        worst = max((desk.damage(f) for f in desk.opened.findings), default=0.0) or 1.0
+        rows = {f.id: self._row(f, lambda f: self._open_row(f, worst)) for f in queue}
         if settled:
-            rows.append({"id": "-", "divider": True, "html": f"Settled {len(settled)}"})
-            rows += [self._settled_row(f) for f in settled]
+            rows["-"] = self._divider(f"Settled {len(settled)}")
+            rows |= {f.id: self._row(f, self._settled_row) for f in settled}
         return rows
 
-    def _open_row(self, finding: Finding, share: float) -> dict[str, Any]:
+    def _row(self, finding: Finding, make: Callable[[Finding], dict[str, Any]]) -> dict[str, Any]:
+        """Give the row of a finding, made anew only if its decision has changed."""
+        state = self._desk.review.judgements.get(finding.id)
+        known = self._made.get(finding.id)
+        if known is None or known[0] is not state:
+            known = self._made[finding.id] = (state, make(finding))
+        return known[1]
+
+    def _divider(self, words: str) -> dict[str, Any]:
+        known = self._made.get("-")
+        if known is None or known[0] != words:
+            known = self._made["-"] = (words, {"html": words, "divider": True, "settled": False})
+        return known[1]
+
+    def _open_row(self, finding: Finding, worst: float) -> dict[str, Any]:
+        share = min(1.0, self._desk.damage(finding) / worst)
         judged = self._desk.judged(finding)
         assert self._desk.opened is not None
         seconds = len(judged.span) / self._desk.opened.take.rate
         aside = icon("deferred", 12) if judged.decision.verdict == "deferred" else ""
+        aside += icon("note", 11) if judged.decision.note else ""
         html = (
             f"{glyph(judged.kind)}{_marker(finding, aside)}"
             f"{self._shape(judged.as_judged)}"
@@ -115,7 +203,7 @@ class Queue(JSComponent):
             f'<span class="value">{seconds:.2f}</span>'
             f'<span class="damage"><i style="width:{max(3, 100 * share**0.5):.0f}%"></i></span>'
         )
-        return {"id": finding.id, "html": html, "settled": False}
+        return {"html": html, "divider": False, "settled": False}
 
     def _settled_row(self, finding: Finding) -> dict[str, Any]:
         judged = self._desk.judged(finding)
@@ -127,7 +215,7 @@ class Queue(JSComponent):
             f"{glyph(judged.kind)}{_marker(finding)}"
             f'<span class="verdict">{word}{icon(sign, 13)}</span>'
         )
-        return {"id": finding.id, "html": html, "settled": True}
+        return {"html": html, "divider": False, "settled": True}
 
     def _shape(self, finding: Finding) -> str:
         key = (finding.id, finding.span.start, finding.span.stop)

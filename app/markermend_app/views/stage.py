@@ -29,6 +29,8 @@ class Stage:
         watch(self._focus, ["selected", "repair", "raw_only", "review", "theme"])
         watch(self._play, ["frame", "playing", "speed", "looping", "selected", "following", "view"])
         watch(self._paint, ["theme"])
+        watch(self._mend, ["mended", "opened"])
+        self._mended: dict[Any, Any] = {}
         self.panel.param.watch(self._report, ["frame", "playing", "view"])
         self.panel.param.watch(self._picked, ["selected"])
         self._paint()
@@ -44,9 +46,9 @@ class Stage:
         self._index = [int(m) for m in shown]
         bones = [(self._place[a], self._place[b]) for a, b in opened.mesh.bones]
         labels = [take.labels[m] for m in shown]
-        self.panel.show_take(
-            take.positions[:, shown], take.rate, labels, bones, frame=self.desk.frame
-        )
+        self._positions = take.positions[:, shown]  # a copy, into which accepted repairs are put
+        self._mended = {}
+        self.panel.show_take(self._positions, take.rate, labels, bones, frame=self.desk.frame)
         self._focus()
         self._play()
 
@@ -70,6 +72,29 @@ class Stage:
                 None if repair is None else repair.values,
             )
         )
+
+    def _mend(self, *_: object) -> None:
+        """Show accepted repairs in place of what was recorded; the focus shows that as a ghost."""
+        opened, after = self.desk.opened, self.desk.mended
+        if opened is None or after is self._mended:
+            return
+        before, self._mended = self._mended, after
+        changed = []
+        for key in {**before, **after}:
+            if before.get(key) is after.get(key):
+                continue
+            done = after.get(key)
+            span = before[key].span if done is None else done.span
+            sources = before[key] if done is None else done
+            for label, values in ((sources.marker, sources.values), *sources.also):
+                marker = opened.take.index(label)
+                recorded = opened.take.positions[span.frames, marker]
+                self._positions[span.frames, self._place[marker]] = (
+                    recorded if done is None else values
+                )
+                changed.append((self._place[marker], span.start, span.stop))
+        if changed:
+            self.panel.update_positions(self._positions, changed)
 
     def _play(self, *_: object) -> None:
         desk, loop = self.desk, self.desk.loop

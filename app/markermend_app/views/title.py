@@ -4,18 +4,32 @@ from html import escape
 
 from markermend.model import short
 from markermend.review.explain import why
-from markermend_app.state.desk import Desk
+from markermend_app.state.curves import is_relative
+from markermend_app.state.desk import SIGNALS, Desk
+from markermend_app.state.evidence import TITLES
 from markermend_app.style.kinds import KIND_STYLES, glyph
-from markermend_app.views.markup import button, number
+from markermend_app.views.markup import button, icon, kbd, number
 
-SHOWS = ("opened", "review", "selected", "findings")
-LEGEND_SHOWS = ("opened", "previews", "chosen", "raw_only", "zoom", "selected")
+SHOWS = ("opened", "review", "selected", "findings", "marker")
+EVIDENCE_SHOWS = ("opened", "selected", "marker", "signal")
+SIGNAL_WORDS = {
+    "residual": "Residual", "speed": "Speed", "acceleration": "Accel.", "distance": "Distance",
+}  # fmt: skip
+LEGEND_SHOWS = (
+    "opened", "previews", "chosen", "raw_only", "zoom", "selected", "relative", "signal", "window",
+    "review",
+)  # fmt: skip
 
 
 def render(desk: Desk) -> str:
     """Give the title: what it is, where, how large, and why."""
     if desk.current is None or desk.opened is None:
-        return '<div class="title"><div class="what"><h1>&nbsp;</h1></div></div>'
+        name = escape(short(desk.marker)) or "&nbsp;"
+        said = "No finding at hand; I and O add one." if desk.marker else ""
+        return (
+            f'<div class="title"><div class="what"><h1>{name}</h1></div>'
+            f'<p class="why">{said}</p></div>'
+        )
     finding = desk.judged(desk.current).as_judged
     take, span = desk.opened.take, finding.span
     facts = [
@@ -42,8 +56,30 @@ def render(desk: Desk) -> str:
         f"{escape(short(finding.marker))} <span>{finding.kind}</span></h1>"
         f'<span class="facts num">{" · ".join(facts)}</span></div>'
         f'<div class="choice" role="group" aria-label="Kind">{classes}</div>'
-        f'<p class="why" title="{sentence}">{sentence}</p></div>'
+        f'<p class="why" title="{sentence}">{sentence}</p>'
+        f'<div class="tools">{_tools(desk)}</div></div>'
     )
+
+
+def _tools(desk: Desk) -> str:
+    """Give what else can be done with the finding at hand."""
+    assert desk.current is not None
+    judged = desk.judged(desk.current)
+    note = judged.decision.note
+    parts = []
+    if judged.decision.verdict:
+        parts.append(button("reopen", "Reopen", title="Take the verdict back and stay"))
+    if judged.added:
+        parts.append(button("remove", "Remove", title="Remove this span, which was added by hand"))
+    parts.append(button("similar", "Similar", title="Decide similar findings together"))
+    parts.append(
+        button(
+            "note",
+            icon("note", 13) + ("Note" if not note else "Read note"),
+            title=note or "Leave a note",
+        )
+    )
+    return "".join(parts)
 
 
 def legend(desk: Desk) -> str:
@@ -51,6 +87,7 @@ def legend(desk: Desk) -> str:
     if desk.current is None:
         return '<div class="legend"></div>'
     kind = desk.judged(desk.current).kind
+    relative = is_relative(desk)
     chosen = next((p.title for p in desk.previews if p.name == desk.chosen), "")
 
     def stroke(style: str) -> str:
@@ -65,11 +102,43 @@ def legend(desk: Desk) -> str:
     on = "tool on" if desk.raw_only else "tool"
     raw_only = button("raw_only", "Raw only", pressed=desk.raw_only, classes=on)
     zoom = button("zoom", f"Zoom: {escape(desk.zoom)}")
+    position = (
+        '<span class="choice" role="group" aria-label="Lanes">'
+        + button("relative", "Position", classes="", pressed=not relative, key=False)
+        + button("relative", "Relative", classes="", pressed=relative,
+                 title="Without the neighbours’ motion")
+        + "</span>"
+    )  # fmt: skip
     others = f'<span class="small-out">{dashed}Other repairs</span>'
     return (
         f'<div class="legend"><span>{raw}Recorded</span>'
         f"<span>{line}<b>{escape(chosen)}</b></span>{others}"
-        f'<span class="push">{raw_only}{zoom}</span></div>'
+        f'<span class="push">{position}{raw_only}{zoom}</span></div>'
+    )
+
+
+def evidence_head(desk: Desk) -> str:
+    """Give the head of the evidence lane: what it shows, and the switch."""
+    if desk.opened is None or not desk.marker:
+        return '<div class="evidence-head"></div>'
+    finding = desk.current
+    own = finding.evidence if finding is not None and desk.signal == "residual" else None
+    title = TITLES[desk.signal] if own is None else own.name[:1].upper() + own.name[1:]
+    choices = "".join(
+        button(
+            "signal",
+            SIGNAL_WORDS[name] + (kbd("signal_next") if name == SIGNALS[-1] else ""),
+            classes="",
+            arg=name,
+            pressed=name == desk.signal,
+            title=TITLES[name],
+            key=False,
+        )
+        for name in SIGNALS
+    )
+    return (
+        f'<div class="evidence-head"><b>{escape(title)}</b>'
+        f'<span class="choice push" role="group" aria-label="Evidence">{choices}</span></div>'
     )
 
 

@@ -1,6 +1,6 @@
 """Which finding comes next: the worst first, by the damage that is to be expected."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from markermend.model import Finding
 from markermend.review.state import Review
@@ -42,6 +42,7 @@ def worst_first(
     rate: float,
     expected_mm: Mapping[str, float] | None = None,
     n_frames: int | None = None,
+    weight: Callable[[Finding], float] = lambda _: 1.0,
 ) -> tuple[Finding, ...]:
     """Order all live findings of a review by expected damage; the order is total and repeatable.
 
@@ -58,13 +59,15 @@ def worst_first(
         Finding id -> error of its best repair, as far as known.
     n_frames
         Length of the take, if gaps at its ends are to come last.
+    weight
+        Factor on the damage, such as how likely the operator is to accept it.
     """
     known = expected_mm or {}
 
     def rank(finding: Finding) -> tuple[bool, float, str, int, str]:
         touched = review.judgements.get(finding.id)
         judged = finding if touched is None else touched.as_judged
-        size = damage(judged, rate, known.get(finding.id))
+        size = weight(finding) * damage(judged, rate, known.get(finding.id))
         outside = judged.span.start == 0 or judged.span.stop == n_frames
         at_end = n_frames is not None and judged.kind == "gap" and outside
         return at_end, -size, finding.marker, judged.span.start, finding.id

@@ -1,0 +1,207 @@
+"""What is offered for the finding at hand: repairs, their expected errors, the recommended one."""
+
+import time
+from collections import OrderedDict
+from typing import Any
+
+import param
+
+from markermend.errors import CannotRepair
+from markermend.model import Span
+from markermend.repairing import Repair, Wish, repair
+from markermend.review import Choose, Judgement
+from markermend_app.state import previews
+from markermend_app.state.jobs import Ticket
+from markermend_app.state.looking import Looking
+from markermend_app.state.previews import Offer, Preview
+from markermend_app.state.workspace import Opened
+
+REFRESH_S = 0.3
+"""How often the table of repairs is drawn anew while it fills."""
+KEPT = 24
+"""Findings whose comparison is remembered."""
+Key = tuple[str, Span, str, tuple[tuple[str, Span], ...]]
+
+
+class Offering(Looking):
+    """The table of repairs and the choice in it."""
+
+    previews: tuple[Preview, ...] = param.Parameter((), doc="Repairs of the selected.")
+    chosen: str = param.String("", doc="Name of the repair chosen for the selected finding.")
+    repair: Repair | None = param.Parameter(doc="The chosen repair, once it is computed.")
+    best: str = param.String("", doc="Name of the repair that is recommended here.")
+    why: str = param.String("", doc="Why it is recommended, in a sentence.")
+    comparing: str = param.String("", doc="Name of the method being compared, or empty.")
+    mended: dict[Any, Repair] = param.Parameter({}, doc="Accepted repairs that are computed.")
+    refused_shown: bool = param.Boolean(False, doc="Whether methods that do not apply are listed.")
+
+    def __init__(self, *given: Any, **values: Any) -> None:
+        super().__init__(*given, **values)
+        self._known: OrderedDict[Key, Offer] = OrderedDict()
+        self.param.watch(lambda *_: self._mend(), ["review"])
+
+    def _masked(self, but: str) -> tuple[tuple[str, Span], ...]:
+        return tuple(
+            (judgement.finding.marker, judgement.span)
+            for key, judgement in self.review.judgements.items()
+            if key != but and judgement.decision.verdict == "accepted" and not judgement.replaced_by
+        )
+
+    def _key(self, judged: Judgement, masked: tuple[tuple[str, Span], ...]) -> Key:
+        assert self.opened is not None
+        here = f"{self.opened.take.content_hash} {judged.finding.id}"
+        return here, judged.span, judged.kind, tuple(sorted(masked))
+
+    def _offer(self) -> None:
+        """Begin to fill the table for the finding at hand; what is known is there at once."""
+        opened, current = self.opened, self.current
+        self.jobs.cancel("compare")
+        if opened is None or current is None:
+            return
+        judged, masked = self.judged(current), self._masked(current.id)
+        key = self._key(judged, masked)
+        known = self._known.get(key)
+        if known is not None:
+            self._known.move_to_end(key)
+            self._offered(known)
+            self._prepare()
+            return
+
+        def first(_: Ticket) -> Offer:
+            rows = previews.at_hand(opened.take, judged, masked, self.workspace.methods)
+            return previews.recommended(rows, judged, complete=False)
+
+        def begin(offer: Offer) -> None:
+            self._offered(offer)
+            names = previews.quick(offer.rows)
+            self._compare(opened, judged, masked, offer.rows, names)
+
+        self.jobs.run("preview", first, begin)
+
+    def _compare(
+        self,
+        opened: Opened,
+        judged: Judgement,
+        masked: tuple[tuple[str, Span], ...],
+        rows: tuple[Preview, ...],
+        names: tuple[str, ...],
+    ) -> None:
+        key = self._key(judged, masked)
+
+        def work(ticket: Ticket) -> Offer | None:
+            shown, offer = time.monotonic(), None
+            for offer in previews.compared(opened.take, judged, masked, rows, names):
+                if not ticket.valid:
+                    return None
+                if time.monotonic() - shown > REFRESH_S and not offer.complete:
+                    shown = time.monotonic()
+                    ticket.tell(lambda offer=offer: self._offered(offer))  # type: ignore[misc]
+            return offer
+
+        def done(offer: Offer | None) -> None:
+            self.comparing = ""
+            if offer is not None:
+                self._remember(key, offer)
+                self._offered(offer)
+                self._prepare()
+
+        self.comparing = names[0] if len(names) == 1 else "all"
+        self.jobs.run("compare", work, done)
+
+    def try_slow(self, method: str) -> None:
+        """Compute and compare a method that takes long, because the operator asks for it."""
+        row = next((p for p in self.previews if p.name == method and p.slow), None)
+        if row is None or self.current is None or self.opened is None or self.comparing:
+            return
+        judged, masked = self.judged(self.current), self._masked(self.selected)
+        self._compare(self.opened, judged, masked, self.previews, (method,))
+
+    def _prepare(self) -> None:
+        """Compare what comes next while the operator looks; the queue says what that is."""
+
+    def _remember(self, key: Key, offer: Offer) -> None:
+        self._known[key] = offer
+        while len(self._known) > KEPT:
+            self._known.popitem(last=False)
+
+    def _offered(self, offer: Offer) -> None:
+        if self.current is None:
+            return
+        ready = {p.name for p in offer.rows if p.repair is not None}
+        mine = self.judged(self.current).decision.method
+        # While errors are still being measured, what was chosen at first stays: nothing changes
+        # under the hand that is about to accept it.
+        stays = mine if mine in ready else (self.chosen if not offer.complete else "")
+        chosen = stays if stays in ready else offer.best or self.chosen
+        with param.parameterized.batch_call_watchers(self):
+            self.param.update(previews=offer.rows, best=offer.best, why=offer.why, chosen=chosen)
+            self._pick_repair()
+
+    def _pick_repair(self) -> None:
+        """Say which repair is shown, only where that changes."""
+        chosen = next((p.repair for p in self.previews if p.name == self.chosen), None)
+        if chosen is not self.repair:
+            self.repair = chosen
+
+    def _mend(self) -> None:
+        """Compute what was accepted, for the eye; an export computes everything anew."""
+        opened = self.opened
+        if opened is None:
+            return
+        wishes = {_wished(wish): wish for wish in self.review.accepted() if wish.method != "leave"}
+        kept = {key: done for key, done in self.mended.items() if key in wishes}
+        if kept != self.mended:
+            self.mended = kept
+        todo = [wish for key, wish in wishes.items() if key not in kept]
+        if not todo:
+            self.jobs.cancel("mend")
+            return
+        masked = self.accepted
+
+        def work(ticket: Ticket) -> None:
+            for wish in todo:
+                if not ticket.valid:
+                    return
+                try:
+                    done = repair(
+                        opened.take,
+                        wish.marker,
+                        wish.span,
+                        wish.method,
+                        kind=wish.kind,
+                        partner=wish.partner,
+                        masked=masked,
+                        **wish.parameters,
+                    )
+                except CannotRepair:
+                    continue  # the export will say so; there is nothing to be shown
+                ticket.tell(lambda w=wish, d=done: self._mended(w, d))  # type: ignore[misc]
+
+        self.jobs.run("mend", work, lambda _: None)  # fmt: skip
+
+    def _mended(self, wish: Wish, done: Repair) -> None:
+        self.mended = self.mended | {_wished(wish): done}
+
+    def choose(self, method: str) -> None:
+        """Choose a repair for the finding at hand; the choice is kept."""
+        if self.current is None or not any(p.name == method and p.repair for p in self.previews):
+            return
+        self.chosen = method
+        self._pick_repair()
+        self.do(Choose((self.current,), method))
+
+    def choose_by(self, step: int) -> None:
+        """Choose the next or previous repair that is ready."""
+        ready = [p.name for p in self.previews if p.repair is not None]
+        if ready:
+            at = ready.index(self.chosen) + step if self.chosen in ready else 0
+            self.choose(ready[at % len(ready)])
+
+    def choose_recommended(self) -> None:
+        """Choose the repair that is recommended here."""
+        if self.best:
+            self.choose(self.best)
+
+
+def _wished(wish: Wish) -> tuple[str, Span, str]:
+    return wish.marker, wish.span, wish.method
