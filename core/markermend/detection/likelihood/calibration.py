@@ -2,11 +2,12 @@
 
 import math
 
-# Logistic curves p = 1 / (1 + exp(-(a + b log strength))), fitted by tests/bench/calibrate_likelihood.py.
+# Logistic curves p = 1 / (1 + exp(-(a + b log strength))); tests/bench/calibrate_likelihood.py
+# fits them.
 CURVES = {
-    "peak": (0.96, 7.99),
-    "noise": (-1.15, 6.18),
-    "step": (-0.23, 3.89),
+    "peak": (2.35, 7.99),
+    "noise": (-2.28, 6.18),
+    "step": (-0.64, 3.89),
     "slow": (-1.20, 2.56),
     "swap": (3.0, 2.0),
 }

@@ -20,7 +20,7 @@ MATE_SHARE = 0.7
 
 _NOISE_LEVEL = 3.5  # a frame speaks for noise above this many local scales
 _NOISE_GAIN = (-0.7, 1.0)  # bounds of what one frame can say
-_NOISE_TOTAL = 9.0
+_NOISE_TOTAL = 7.5
 _SHORTEST_NOISE = 8
 _NOISE_REST = 12
 _LONG_NOISE = 25  # longer segments cannot be two single peaks

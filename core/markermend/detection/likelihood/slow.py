@@ -19,6 +19,7 @@ _AROUND = 50  # within these nothing much may be left
 _MOST_BOX = 1.0  # a box of any length that scores higher is no triangle
 _MOST_LABELLED = 0.3
 _QUANTILE_POWER = 0.7
+_ONE_ARTEFACT = 100  # frames at 100 Hz on which one slow change raises the score
 _MASKED = 10  # frames beside a triangle in which no second one is looked for
 _ECHO = 0.6  # a score that falls below this share was an echo
 
@@ -89,12 +90,16 @@ def scan(whitened: Whitened, pace: float) -> Triangles:
     return Triangles(best, length)
 
 
-def held_back(score: FloatArray, scale: FloatArray, valid: BoolArray) -> FloatArray:
-    """(n_markers, n_frames): the learnt scale, larger for markers with heavier tails."""
+def held_back(score: FloatArray, scale: FloatArray, valid: BoolArray, pace: float) -> FloatArray:
+    """(n_markers, n_frames): the learnt scale, larger for markers with heavier tails.
+
+    The tail is taken below what one artefact alone may fill, so that it does not hide itself.
+    """
     scale = np.maximum(scale, 0.5)
     u = score / scale
+    quantile = 1.0 - min(0.5, max(0.02, _ONE_ARTEFACT * pace / score.shape[1]))
     tail = np.array(
-        [np.quantile(row[v], 0.98) if v.any() else 1.0 for row, v in zip(u, valid, strict=True)]
+        [np.quantile(row[v], quantile) if v.any() else 1.0 for row, v in zip(u, valid, strict=True)]
     )
     factor = (tail / np.median(tail)) ** _QUANTILE_POWER
     held: FloatArray = scale * np.maximum(factor, 0.3)[:, None]

@@ -90,6 +90,6 @@ def _jumps(a: FloatArray, b: FloatArray) -> FloatArray:
     step = np.diff(np.sqrt(((a - b) ** 2).sum(1)))
     out = np.zeros(len(a))
     inner = step[_LAG:-_LAG]
-    anyway = (step[: -2 * _LAG] + step[2 * _LAG :]) / 2
-    out[_LAG + 1 : len(a) - _LAG] = np.abs(inner - anyway)
+    before, after = step[: -2 * _LAG], step[2 * _LAG :]
+    out[_LAG + 1 : len(a) - _LAG] = np.minimum(np.abs(inner - before), np.abs(inner - after))
     return out

@@ -23,13 +23,15 @@ def boxes(total: FloatArray, length: int) -> FloatArray:
 def jumps(total: FloatArray, half: int) -> FloatArray:
     """N of a jump by 1 between frames t - 1 and t, seen over `half` frames on each side.
 
-    (n_series, n_frames); 0 where the sides do not fit.
+    (n_series, n_frames). Beyond the ends of the series g counts as 0: almost all of a jump's g lies
+    within two frames of it.
     """
     n = total.shape[1] - 1
-    out = np.zeros((len(total), n))
-    t = np.arange(half, n - half + 1)
-    t = t[t < n]
-    out[:, t] = 0.5 * (total[:, t + half] - 2.0 * total[:, t] + total[:, t - half])
+    t = np.arange(n)
+    after, before = np.minimum(t + half, n), np.maximum(t - half, 0)
+    out: FloatArray = 0.5 * (total[:, after] - 2.0 * total[:, t] + total[:, before])
+    out[:, :2] = 0.0
+    out[:, n - 1 :] = 0.0
     return out
 
 

@@ -241,7 +241,8 @@ def _slow(
     leverage = uniform_filter1d(leverage, width, axis=1, mode="nearest")
     usual = rolling_quantile(best.score, valid, round(200 * pace), 0.5, 20)
     covariates = (mates + 5.0, leverage + 1e-4, usual + 0.2)
-    scale = slow.held_back(best.score, learnt_scale(best.score, covariates, valid & good), valid)
+    typical = learnt_scale(best.score, covariates, valid & good)
+    scale = slow.held_back(best.score, typical, valid, pace)
     found = slow.find_slow(
         whitened,
         scale,

@@ -20,9 +20,9 @@ _SCALES = "noise scales"
 def likelihood(
     take: Take,
     *,
-    peak: Annotated[float, Within(2, 50, _SCALES)] = 4.2,
+    peak: Annotated[float, Within(2, 50, _SCALES)] = 5.0,
     noise: Annotated[float, Within(0.2, 20, "times the usual evidence")] = 1.0,
-    step: Annotated[float, Within(2, 50, _SCALES)] = 5.0,
+    step: Annotated[float, Within(2, 50, _SCALES)] = 4.5,
     slow: Annotated[float, Within(1, 50, _SCALES)] = 3.0,
     least_slow: Annotated[float, Within(0, 100, "mm")] = 1.5,
     floor: Annotated[float, Within(0.01, 10, "mm")] = 0.15,
