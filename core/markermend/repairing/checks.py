@@ -36,6 +36,8 @@ class Checks:
         outside of it; None where no neighbour is seen.
     artefacts
         What the detector finds there after the repair.
+    detected
+        Whether the detector was run.
     """
 
     step_mm: float
@@ -45,6 +47,7 @@ class Checks:
     distance_mm: float | None
     usual_distance_mm: float | None
     artefacts: tuple[Finding, ...]
+    detected: bool
 
 
 class Inspector:
@@ -74,13 +77,15 @@ class Inspector:
         jumps = jumps[np.isfinite(jumps)]
         self._usual = float(np.quantile(jumps, 0.95)) if len(jumps) else 0.0
 
-    def check(self, values: FloatArray) -> Checks:
+    def check(self, values: FloatArray, run_detector: bool = True) -> Checks:
         """Look at one repair.
 
         Parameters
         ----------
         values
             (len(span), n_dims) mm.
+        run_detector
+            Look for new artefacts, which takes most of the time.
         """
         step, slope = self._edges(values)
         distance = usual = None
@@ -96,7 +101,8 @@ class Inspector:
             usual_slope_mm=self._usual,
             distance_mm=distance,
             usual_distance_mm=usual,
-            artefacts=self._artefacts(values),
+            artefacts=self._artefacts(values) if run_detector else (),
+            detected=run_detector,
         )
 
     def _edges(self, values: FloatArray) -> tuple[float, float]:
