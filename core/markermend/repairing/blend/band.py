@@ -11,7 +11,9 @@ WIDER, WIDER_FRAMES = 1.05, 100.0
 """How much wider the band is made, for the mix was chosen on the same pseudo-gaps, and for these
 know only the motions of the frames that are seen; set on other recordings than are reported."""
 LEAST_LENGTHS = 2.5
-"""Gap lengths that must be seen for a band to be shown."""
+"""Gap lengths that must be seen for a band to be shown ..."""
+FEW_FRAMES, LEAST_LENGTHS_OF_FEW = 300, 4.0
+"""... and how many more where so few frames are seen that they know little motion."""
 
 
 def band_by_position(
@@ -37,7 +39,8 @@ def band_by_position(
     -------
     (length,) mm, or None where too little is seen.
     """
-    if seen < LEAST_LENGTHS * length:
+    least = LEAST_LENGTHS_OF_FEW if seen < FEW_FRAMES else LEAST_LENGTHS
+    if seen < least * length:
         return None
     shape = np.sqrt(np.square(errors).mean(axis=0))
     shape = gaussian_filter1d(shape, max(0.04 * len(shape), 0.5), mode="nearest") + 1e-6
