@@ -6,7 +6,7 @@ import numpy as np
 
 from markermend.errors import BadInput
 from markermend.evaluate.hiding import complete_markers
-from markermend.model import Take
+from markermend.model import FloatArray, Take
 
 SHORTEST_S, LONGEST_S = 0.5, 2.5
 ALIKE = 0.9
@@ -29,8 +29,13 @@ class Cycle:
     likeness: float
 
 
-def cycle_of(take: Take) -> Cycle:
+def cycle_of(take: Take, seconds: float | None = None) -> Cycle:
     """Estimate the cycle from the autocorrelation of all complete markers about their middle.
+
+    Parameters
+    ----------
+    seconds
+        Its length where it is known, or is to be taken as known.
 
     Raises
     ------
@@ -38,23 +43,32 @@ def cycle_of(take: Take) -> Cycle:
         If nothing repeats after 0.5 to 2.5 s, or the take is too short to tell.
     """
     whole = take.positions[:, complete_markers(take)]
-    middle = whole.mean(axis=1, keepdims=True)
-    series = (whole - middle).reshape(take.n_frames, -1)
+    series = (whole - whole.mean(axis=1, keepdims=True)).reshape(take.n_frames, -1)
+    if seconds is not None:
+        lag = round(seconds * take.rate)
+        if not 1 <= lag < take.n_frames // 2:
+            raise BadInput(
+                f"A cycle of {seconds:g} s does not fit twice into {take.duration_s:.2f} s; give "
+                "the length of a cycle in seconds."
+            )
+        return Cycle(seconds, _likeness(series, lag))
     low, high = (round(s * take.rate) for s in (SHORTEST_S, LONGEST_S))
-    correlation = np.full(high + 2, -1.0)
-    for lag in range(low - 1, min(high + 2, take.n_frames // 2)):
-        one, other = series[lag:], series[: len(series) - lag]
-        one, other = one - one.mean(axis=0), other - other.mean(axis=0)
-        size = np.sqrt(np.square(one).sum() * np.square(other).sum())
-        correlation[lag] = float((one * other).sum() / size) if size else -1.0
+    lags = np.arange(low - 1, min(high + 2, take.n_frames // 2))
+    correlation = np.array([_likeness(series, int(lag)) for lag in lags])
     inner = correlation[1:-1]
     peaks = 1 + np.flatnonzero((inner > correlation[:-2]) & (inner >= correlation[2:]))
-    peaks = peaks[(peaks >= low) & (correlation[peaks] > 0.0)]
+    peaks = peaks[correlation[peaks] > 0.0]
     if not len(peaks):
         raise BadInput(
             f"Nothing in the take repeats after {SHORTEST_S:g} to {LONGEST_S:g} s; say how long a "
             "cycle is to be."
         )
-    best = correlation[peaks].max()
-    lag = int(peaks[correlation[peaks] >= ALIKE * best][0])
-    return Cycle(lag / take.rate, float(correlation[lag]))
+    first = peaks[correlation[peaks] >= ALIKE * correlation[peaks].max()][0]
+    return Cycle(int(lags[first]) / take.rate, float(correlation[first]))
+
+
+def _likeness(series: FloatArray, lag: int) -> float:
+    one, other = series[lag:], series[:-lag]
+    one, other = one - one.mean(axis=0), other - other.mean(axis=0)
+    size = float(np.sqrt(np.square(one).sum() * np.square(other).sum()))
+    return float((one * other).sum()) / size if size > 0.0 else 0.0

@@ -118,10 +118,7 @@ def kamali(
         raise BadInput("Give at least 4 markers and 1 cycle.")
     for name in methods:
         REPAIRS.get(name)
-    found = {
-        name: Cycle(cycle_s, math.nan) if cycle_s else cycle_of(take)
-        for name, take in takes.items()
-    }
+    found = {name: cycle_of(take, cycle_s) for name, take in takes.items()}
     settings = [(name, n) for name in takes for n in markers]
     labels = {name: {n: spread_markers(takes[name], n) for n in markers} for name in takes}
     held = {name: _held(name, takes[name], found[name], cycles) for name in takes}

@@ -147,8 +147,8 @@ def openpose(
     seen = truth + rng.normal(0.0, noise, truth.shape)
     again = 1.0 / max(1.0, LOST_S * take.rate)
     vanish = again * lost / (1.0 - lost)
-    gone: BoolArray = rng.random(truth.shape[1]) < lost
+    gone: BoolArray = np.asarray(rng.random(truth.shape[1]) < lost)
     for frame in range(len(seen)):
         seen[frame, gone] = np.nan
-        gone = rng.random(len(gone)) < np.where(gone, 1.0 - again, vanish)
+        gone = np.asarray(rng.random(len(gone)) < np.where(gone, 1.0 - again, vanish))
     return Take(seen, take.rate, tuple(POINTS), units="px"), truth

@@ -91,17 +91,29 @@ def weighted_rows(
     -----
     The factor W behind the transposed eigenvectors, left out in Eq. 15 and 16, is there.
     """
-    most = max(1, int((~missing).sum()) - 1)
-    choices = [(min(rank, most), weight) for rank in ranks for weight in weights]
-    if len(choices) > 1:
-        half = training.shape[1] // 2
-        basis = _eigenvectors(training[:, :half])
-        gram = training[:, half:] @ training[:, half:].T
-        errors = [_misses(_bridge(basis, missing, *c), gram, missing) for c in choices]
-        choices = [choices[int(np.argmin(errors))]]
+    rank, weight = chosen(training, missing, ranks, weights)
     done = column.copy()
-    done[missing] = _bridge(_eigenvectors(training), missing, *choices[0]) @ column[~missing]
+    bridge = _bridge(_eigenvectors(training), missing, rank, weights[weight])
+    done[missing] = bridge @ column[~missing]
     return done
+
+
+def chosen(
+    training: FloatArray,
+    missing: BoolArray,
+    ranks: Sequence[int],
+    weights: Sequence[FloatArray],
+) -> tuple[int, int]:
+    """Choose among the candidates of `weighted_rows`: the rank, and which of the weights."""
+    most = max(1, int((~missing).sum()) - 1)
+    choices = [(min(rank, most), i) for rank in ranks for i in range(len(weights))]
+    if len(choices) == 1:
+        return choices[0]
+    half = training.shape[1] // 2
+    basis = _eigenvectors(training[:, :half])
+    gram = training[:, half:] @ training[:, half:].T
+    errors = [_misses(_bridge(basis, missing, r, weights[i]), gram, missing) for r, i in choices]
+    return choices[int(np.argmin(errors))]
 
 
 def _eigenvectors(training: FloatArray) -> FloatArray:
