@@ -51,7 +51,8 @@ def grade(
     decided
         Finding id -> when it was decided on: `ReviewSession.decided` or `Decisions.decided`.
     methods
-        Names of the repairs that the trainee's are compared with; with none this is quick.
+        Names of the repairs that the trainee's are compared with; with none this is quick, and
+        no detector looks for what the repairs brought in.
     progress
         Called with the repairs judged and their total.
 
@@ -162,7 +163,7 @@ class _Marker:
         done = self.repairs.get((claim.marker, claim.span))
         worthy = None
         if done is not None:
-            worthy = worth(self.exercise, self.repaired, done, claim.marker, None, ())
+            worthy = worth(self.exercise, self.repaired, done, claim.marker, None, self.methods)
         self._moved()
         if touched:
             why = sentences.partial(any(i in matched for i in touched))

@@ -31,7 +31,8 @@ class Repaired:
     recommended, recommended_mm
         The method that a comparison without the truth recommends, and its error.
     new_artefacts
-        What the detector finds after this repair and does not find in the true movement.
+        What the detector finds after this repair and does not find in the true movement; None
+        where it was not looked for.
     """
 
     method: str
@@ -40,7 +41,7 @@ class Repaired:
     best_mm: float | None = None
     recommended: str = ""
     recommended_mm: float | None = None
-    new_artefacts: tuple[Kind, ...] = ()
+    new_artefacts: tuple[Kind, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -92,9 +93,7 @@ class Mark:
             "called_span": None if said is None else [said.start, said.stop],
             "finding": self.finding,
             "iou": self.iou,
-            "repaired": None
-            if self.repaired is None
-            else {**asdict(self.repaired), "new_artefacts": list(self.repaired.new_artefacts)},
+            "repaired": None if self.repaired is None else asdict(self.repaired),
             "why": self.why,
         }
 

@@ -49,13 +49,15 @@ def worth(
     answer
         The artefact that was meant, or None where nothing was wrong.
     methods
-        Names of the repairs to compare with on the true span.
+        Names of the repairs to compare with on the true span; with none, no detector runs either.
     """
     span = done.span if answer is None else _hull(done.span, answer.span)
     known = np.isfinite(exercise.clean.positions[span.frames, exercise.take.index(marker), 0])
     error = mean_or_none(distance(repaired, exercise.clean, marker, span)[known])
+    if not methods:
+        return Repaired(done.method, error)
     new = _new_artefacts(exercise, repaired, marker, done.span)
-    if answer is None or not methods or not np.isfinite(answer.values).all():
+    if answer is None or not np.isfinite(answer.values).all():
         return Repaired(done.method, error, new_artefacts=new)
     errors, recommended = _others(exercise, answer, len(span), methods)
     best = min(errors, key=errors.__getitem__, default="")
@@ -98,6 +100,8 @@ def _others(
         for row in rows
         if row.repair is not None and np.isfinite(row.repair.values).all()
     }
+    if not errors:
+        return errors, ""
     return errors, concluded(truth.marker, truth.span, truth.kind, rows).recommended
 
 
