@@ -10,6 +10,8 @@ from markermend_app.cli.terminal import plain, put, say
 
 FIELDS = ("id", "marker", "start", "stop", "kind", "score", "axes", "amplitude")
 """What stands of each finding in the JSON; other programs rely on it."""
+WHERE_KNOWN = ("partner", "group")
+"""What stands there too where it is known: the other marker of a swap, findings that combine."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -55,4 +57,4 @@ def run(options: argparse.Namespace) -> None:
 
 def _record(finding: Finding) -> dict[str, Any]:
     whole = finding.to_json()
-    return {name: whole[name] for name in FIELDS}
+    return {name: whole[name] for name in (*FIELDS, *WHERE_KNOWN) if name in whole}

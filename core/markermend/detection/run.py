@@ -5,6 +5,7 @@ from typing import Any
 
 from markermend.errors import UnknownName
 from markermend.model import KINDS, Finding, Kind, Take
+from markermend.params import checked
 from markermend.registry import Registry
 
 DETECTORS = Registry("detector", "markermend.detection.methods", "markermend.detectors")
@@ -63,7 +64,8 @@ def scan(
     """
     wanted = _kinds(kinds)
     method = DETECTORS.get(detector)
-    found: Sequence[Finding] = method(take, **parameters)
+    checked(method.function, parameters)
+    found: Sequence[Finding] = method(take, **parameters) if set(wanted) - {"gap"} else ()
     order = {label: i for i, label in enumerate(take.labels)}
     return tuple(
         sorted(

@@ -6,7 +6,16 @@ only `apply` writes positions.
 """
 
 from markermend.repairing.problem import Outcome, Problem, Repair
-from markermend.repairing.run import DEFAULTS, REPAIRS, Refusal, Wish, apply, fill, repair, repair_all
+from markermend.repairing.run import (
+    DEFAULTS,
+    REPAIRS,
+    Refusal,
+    Wish,
+    apply,
+    fill,
+    repair,
+    repair_all,
+)
 
 __all__ = [
     "DEFAULTS",
