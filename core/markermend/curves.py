@@ -138,8 +138,8 @@ def expected(own: FloatArray, neighbours: FloatArray, trusted: BoolArray) -> Flo
     (n_frames, n_dims) mm; NaN where too few neighbours are seen, or nothing can be learnt.
     """
     n_dims = own.shape[1]
-    seen = np.isfinite(neighbours).all(axis=(1, 2))
-    usable = trusted & seen & np.isfinite(own[:, 0])
+    each = np.isfinite(neighbours[:, :, 0])
+    usable = trusted & each.all(axis=1) & np.isfinite(own[:, 0])
     if not usable.any():
         return np.full(own.shape, np.nan)
     if neighbours.shape[1] < n_dims:
@@ -149,7 +149,7 @@ def expected(own: FloatArray, neighbours: FloatArray, trusted: BoolArray) -> Flo
     frames = kabsch(model, neighbours, np.ones(len(model)))
     place = frames.to_local(own)[usable].mean(axis=0)
     there = frames.to_world(np.broadcast_to(place, own.shape))
-    return np.where(seen[:, None], there, np.nan)
+    return np.where(each.sum(axis=1)[:, None] >= n_dims, there, np.nan)
 
 
 def acceleration(positions: FloatArray, rate: float) -> FloatArray:

@@ -1,4 +1,4 @@
-"""What is offered for a finding: compared, recommended, explained, and what the lanes show of it."""
+"""What is offered for a finding: compared, recommended, explained, and shown in the lanes."""
 
 from collections.abc import Callable
 

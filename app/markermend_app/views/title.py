@@ -39,7 +39,6 @@ def render(desk: Desk) -> str:
     if finding.amplitude is not None:
         facts.append(f"{number(finding.amplitude)} {take.units}")
         facts.append(", ".join(finding.axes))
-    facts.append(f'<span class="small-out">score {finding.score:.2f}</span>')
     classes = "".join(
         button(
             f"kind_{kind}",
@@ -54,7 +53,8 @@ def render(desk: Desk) -> str:
     return (
         f'<div class="title"><div class="what"><h1>{glyph(finding.kind, 20)}'
         f"{escape(short(finding.marker))} <span>{finding.kind}</span></h1>"
-        f'<span class="facts num">{" · ".join(facts)}</span></div>'
+        f'<span class="facts num">{" · ".join(facts)}'
+        f'<span class="small-out"> · score {finding.score:.2f}</span></span></div>'
         f'<div class="choice" role="group" aria-label="Kind">{classes}</div>'
         f'<p class="why" title="{sentence}">{sentence}</p>'
         f'<div class="tools">{_tools(desk)}</div></div>'

@@ -24,7 +24,8 @@ COLOURS = {
 WORDS = {"accepted": "Accepted", "rejected": "False alarm", "deferred": "Set aside", None: "Open"}
 STYLE = """
 body{font:14px/1.45 system-ui,"Segoe UI",Roboto,sans-serif;color:#1a1d21;max-width:980px;
-margin:32px auto;padding:0 20px}h1{font-size:24px;margin:0 0 4px}h2{font-size:17px;margin:32px 0 8px}
+margin:32px auto;padding:0 20px}h1{font-size:24px;margin:0 0 4px}h2{font-size:17px;
+margin:32px 0 8px}
 p{margin:4px 0}.quiet{color:#4f5762}table{border-collapse:collapse;width:100%;
 font-variant-numeric:tabular-nums}th{font-weight:400;color:#4f5762;font-size:12px}
 th,td{text-align:right;padding:5px 8px;border-bottom:1px solid #e2e5ea}
