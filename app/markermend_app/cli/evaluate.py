@@ -9,6 +9,7 @@ from typing import Any
 
 from markermend.errors import CannotWrite
 from markermend_app.cli.common import json_text, progress, read, take_argument
+from markermend_app.cli.picture import picture_argument, refuse_picture, write_picture
 from markermend_app.cli.terminal import say
 
 
@@ -24,6 +25,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     e1.add_argument("--amplitude", type=_numbers, default=(5.0, 10.0), metavar="MM,MM")
     e1.add_argument("--share", type=_numbers, default=(0.05, 0.1, 0.2), metavar="S,S")
     _simulations(e1, 100)
+    picture_argument(e1)
 
     e2 = experiments.add_parser(
         "e2", help="simulated operators clean a take; what detectors and an expert then find"
@@ -33,6 +35,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     e2.add_argument("--amplitude", type=float, default=10.0, metavar="MM")
     e2.add_argument("--share", type=float, default=0.02, metavar="S")
     _simulations(e2, 10)
+    picture_argument(e2)
 
     e3 = experiments.add_parser(
         "e3", help="how much of an artefact repairs remove, with perfect and detected spans"
@@ -45,6 +48,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     e3.add_argument("--amplitude", type=float, default=10.0, metavar="MM")
     e3.add_argument("--share", type=_numbers, default=(0.05, 0.1, 0.2), metavar="S,S")
     _simulations(e3, 20)
+    picture_argument(e3)
 
     predictors = experiments.add_parser(
         "predictors", help="how well markers are predicted from their neighbours, and by what"
@@ -54,6 +58,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     predictors.add_argument("--markers", type=_words, default=(), metavar="A,B")
     predictors.add_argument("--seed", type=int, default=0)
     _json(predictors)
+    picture_argument(predictors)
+
+    mesh = experiments.add_parser(
+        "mesh", help="the functional body mesh: clusters of markers, their parents and siblings"
+    )
+    take_argument(mesh)
+    _json(mesh)
+    picture_argument(mesh)
 
     masks = experiments.add_parser("masks", help="fill the gaps of a benchmark by any methods")
     masks.add_argument("masks", type=Path, metavar="FILE", help="masks, beside datasets.json")
@@ -64,6 +76,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     masks.add_argument("--peers", type=Path, metavar="CSV", help="errors of other programs")
     masks.add_argument("--jobs", type=int, default=1, metavar="J")
     _json(masks)
+    picture_argument(masks)
 
 
 def _detectors(parser: argparse.ArgumentParser) -> None:
@@ -91,6 +104,7 @@ def _json(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Run one experiment and print its tables."""
+    refuse_picture(vars(options).get("picture"))
     RUNS[options.experiment](options)
 
 
@@ -109,12 +123,16 @@ def _e1(options: argparse.Namespace) -> None:
     )
     _print(*result.table())
     _write(options.json, result.to_json())
+    if options.picture:
+        from markermend_app.plots.experiments import classification
+
+        write_picture(options.picture, classification(result, options.take.name))
 
 
 def _e2(options: argparse.Namespace) -> None:
     from markermend.evaluate import e2
 
-    records = []
+    results = []
     for detector in options.detector:
         result = e2(
             read(options.take, options),
@@ -128,8 +146,13 @@ def _e2(options: argparse.Namespace) -> None:
         )
         say(f"detector {detector}, mean of {options.simulations}")
         _print(*result.table())
-        records.append(result.to_json())
+        results.append(result)
+    records = [result.to_json() for result in results]
     _write(options.json, {"version": 1, "experiment": "e2", "detectors": records})
+    if options.picture:
+        from markermend_app.plots.experiments import operators
+
+        write_picture(options.picture, operators(results, options.take.name))
 
 
 def _e3(options: argparse.Namespace) -> None:
@@ -149,6 +172,10 @@ def _e3(options: argparse.Namespace) -> None:
     )
     _print(*result.table())
     _write(options.json, result.to_json())
+    if options.picture:
+        from markermend_app.plots.experiments import reconstruction
+
+        write_picture(options.picture, reconstruction(result, options.take.name))
 
 
 def _predictors(options: argparse.Namespace) -> None:
@@ -166,6 +193,24 @@ def _predictors(options: argparse.Namespace) -> None:
         say(title)
         _print(columns, rows)
     _write(options.json, result.to_json())
+    if options.picture:
+        from markermend_app.plots import prediction
+
+        write_picture(options.picture, prediction.predictors(result, options.take.name))
+
+
+def _mesh(options: argparse.Namespace) -> None:
+    from markermend.body import infer
+    from markermend_app.cli.mesh import mesh_record, mesh_table
+
+    take = read(options.take, options)
+    body = infer(take)
+    _print(*mesh_table(body))
+    _write(options.json, mesh_record(take, body))
+    if options.picture:
+        from markermend_app.plots.mesh import body_mesh
+
+        write_picture(options.picture, body_mesh(take, body, options.take.name))
 
 
 def _masks(options: argparse.Namespace) -> None:
@@ -208,6 +253,11 @@ def _masks(options: argparse.Namespace) -> None:
             "rows": [_finite(asdict(row)) for row in rows],
         },
     )
+    if options.picture:
+        from markermend_app.plots import experiments
+
+        seeds = sorted({error.seed for error in errors})
+        write_picture(options.picture, experiments.masks(rows, seeds))
 
 
 RUNS: dict[str, Callable[[argparse.Namespace], None]] = {
@@ -215,6 +265,7 @@ RUNS: dict[str, Callable[[argparse.Namespace], None]] = {
     "e2": _e2,
     "e3": _e3,
     "predictors": _predictors,
+    "mesh": _mesh,
     "masks": _masks,
 }
 

@@ -255,7 +255,7 @@ def reconstruction(result: Reconstructions, source: str) -> Picture:
         f"deviation of n = {', '.join(map(str, n))} simulations on {result.n_markers} markers × "
         f"{result.n_frames} frames at {result.rate:g} Hz, {result.amplitude_mm:g} mm, seed "
         f"{result.seed}. ● at the true spans, ○ at those found by {result.detector}; dashed: "
-        "before the repair. A whisker that reaches the frame goes on to zero or below.",
+        "before the repair. A whisker that reaches the frame goes on beyond it.",
         tuple(
             (
                 Panel(
@@ -273,7 +273,7 @@ def remaining(cells: Sequence[Reconstruction], limits: tuple[float, float]) -> A
     kinds: list[Kind] = list(dict.fromkeys(cell.kind for cell in cells))
     methods = list(dict.fromkeys(cell.method for cell in cells))
     step = len(methods) + 1
-    low, high = limits[0], limits[1] * 1.6
+    low, high = limits[0], limits[1] * 4.0
     layers = []
     for k, kind in enumerate(kinds):
         colour = KIND_STYLES[kind].light
@@ -304,7 +304,7 @@ def remaining(cells: Sequence[Reconstruction], limits: tuple[float, float]) -> A
             ]
     middle = (len(methods) - 1) / 2
     names = [
-        (k * step + middle, high / 1.25, KIND_STYLES[kind].title) for k, kind in enumerate(kinds)
+        (k * step + middle, high / 1.7, KIND_STYLES[kind].title) for k, kind in enumerate(kinds)
     ]
     layers.append(words(names, text_font_style="bold", text_color=INK["ink"]))
     return drawn(
@@ -314,7 +314,7 @@ def remaining(cells: Sequence[Reconstruction], limits: tuple[float, float]) -> A
         logy=True,
         xlim=(-1, step * len(kinds) - 1),
         ylim=(low, high),
-        yticks=log_ticks(low, high),
+        yticks=log_ticks(*limits),
         xticks=[
             (k * step + m, method or "default")
             for k in range(len(kinds))
@@ -329,16 +329,18 @@ def remaining(cells: Sequence[Reconstruction], limits: tuple[float, float]) -> A
 
 def masks(rows: Sequence[Row], seeds: Sequence[int]) -> Picture:
     """Draw the filling of known gaps: the ratio to the best other program, and the error."""
+    n = " to ".join(str(n) for n in sorted({min(r.n for r in rows), max(r.n for r in rows)}))
     panels = []
     if any(np.isfinite(row.ratio) for row in rows):
         panels.append(Panel("Mean error, divided by that of the best other program", ratios(rows)))
     panels.append(Panel("Mean and standard deviation of the error", errors(rows)))
     return Picture(
         "Filling of gaps whose truth is known",
-        f"n = {min(row.n for row in rows)} to {max(row.n for row in rows)} gaps a row, seeds of "
-        f"the masks {', '.join(map(str, sorted(seeds)))}. The best other program of a row is the one "
-        "with the lowest mean on the gaps that all of them have filled; the ratio is of the means "
-        "on the same gaps, below 1 where ours is lower. Number of gaps left unfilled in brackets.",
+        f"n = {n} gaps a row, seeds of "
+        f"the masks {', '.join(map(str, sorted(seeds)))}. The best other program of a row is the "
+        "one with the lowest mean on the gaps that all of them have filled; the ratio is of the "
+        "means on the same gaps, below 1 where ours is lower. In brackets: gaps left "
+        "unfilled. A whisker that reaches the frame goes on beyond it.",
         tuple((panel,) for panel in panels),
     )
 
@@ -347,29 +349,29 @@ def ratios(rows: Sequence[Row]) -> Any:
     """Draw the ratio to the best other program per cell and method, with number and name."""
     points = [(row.ratio, i) for i, row in enumerate(rows) if np.isfinite(row.ratio)]
     low, high = log_range([1.0, *(ratio for ratio, _ in points)], 1.25)
-    notes = [
-        (high * 1.02, i, f"{row.ratio:.2f} × {row.best} ({row.best_mm:.2f} mm)")
-        for i, row in enumerate(rows)
-        if np.isfinite(row.ratio)
-    ]
+    wide = (high / low) ** 0.75
+    column = high * wide**0.2
+    numbers = [(column, i, f"{ratio:.2f}") for ratio, i in points]
+    names = [(column, i, f"  × {rows[i].best} ({rows[i].best_mm:.2f} mm)") for _, i in points]
     layers = hv.Overlay(
         [
             hv.VLine(1.0).opts(
                 color=INK["ink3"], line_dash="dashed", line_width=1.2, backend="bokeh"
             ),
             _dots(points, "ratio"),
-            words(notes, text_align="left"),
+            words(numbers, text_align="right"),
+            words(names, text_align="left"),
         ]
     )
-    return _lying(layers, rows, low, high * 1.02 * (high / low) ** 0.75, high, "ratio")
+    return _lying(layers, rows, low, high * wide, high, "ratio")
 
 
 def errors(rows: Sequence[Row]) -> Any:
     """Draw the error of each cell and method over the gaps that were filled."""
     points = [(row.mean_mm, i) for i, row in enumerate(rows) if np.isfinite(row.mean_mm)]
-    low, high = log_range([x for x, _ in points], 1.6)
+    low, high = log_range([row.mean_mm for row in rows] + [r.mean_mm + r.sd_mm for r in rows])
     whiskers = [
-        (max(row.mean_mm - row.sd_mm, low), i, min(row.mean_mm + row.sd_mm, high), i)
+        (max(row.mean_mm - row.sd_mm, low), i, row.mean_mm + row.sd_mm, i)
         for i, row in enumerate(rows)
         if np.isfinite(row.mean_mm)
     ]

@@ -1,6 +1,7 @@
 """Pictures of the functional body mesh: the markers as a stick figure, the clusters as a tree."""
 
 from collections.abc import Sequence
+from itertools import combinations
 from textwrap import wrap
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from markermend.body import Body
+from markermend.errors import BadInput
 from markermend.model import Take
 from markermend_app.plots.picture import INK, Panel, Picture, drawn, words
 from markermend_app.plots.scene import up_axis, z_up
@@ -17,24 +19,28 @@ HEIGHT = 440
 """Of the stick figure in px; its width follows."""
 LINE, LETTER, INDENT = 17, 6.6, 26
 """Of the tree in px: height of a line, width of a letter, and how far a child is moved in."""
+BADGE = 18
+"""Diameter in px of a circle with the number of a cluster."""
+PUSHES = 100
 LETTERS = 72
 """In a line of markers."""
 
 
 def body_mesh(take: Take, body: Body, source: str) -> Picture:
-    """Draw the body of a take: two views of one frame, and the tree of its clusters (Fig. 5).
+    """Draw the body of a take: views of one frame, and the tree of its clusters (Fig. 5).
+
+    A take of two dimensions has one view, others one from each side.
 
     Raises
     ------
-    ValueError
-        If the body has no marker.
+    BadInput
+        If no marker of the take is of the body.
     """
     if not body.clusters:
-        raise ValueError("A body without markers has no picture.")
+        raise BadInput("No measured marker is ever seen, so there is no body to draw.")
     frame = clearest_frame(take, body)
     up = up_axis(take.positions)
     upright = z_up(take.positions[frame], up).astype(np.float64)
-    sides = [name for _, name in _views(take, up)]
     views = [
         Panel(
             f"Frame {frame + take.first_frame}, {name}", stick_figure(upright[:, [axis, 2]], body)
@@ -44,11 +50,10 @@ def body_mesh(take: Take, body: Body, source: str) -> Picture:
     return Picture(
         f"Functional body mesh of {source}",
         f"n = {len(body.order)} markers in {body.n_clusters} clusters, from {take.n_frames} "
-        f"frames at {take.rate:g} Hz; nothing is random. Numbers are clusters: their markers keep their "
-        "distances (siblings); solid lines join the markers of a cluster, dashed ones a cluster "
-        "with its parent. In the tree each cluster hangs on its parent, and “on” names the parent "
-        "marker. As in Skurowski & Pawlyta, Fig. 5."
-        + ("" if len(sides) > 1 else " The take has two dimensions."),
+        f"frames at {take.rate:g} Hz; nothing is random. Numbers are clusters: their markers keep "
+        "their distances (siblings); solid lines join the markers of a cluster, dashed ones a "
+        "cluster with its parent. In the tree each cluster hangs on its parent, and “on” names the "
+        "parent marker. As in Skurowski & Pawlyta, Fig. 5.",
         ((*views, Panel("Clusters, parents and siblings", tree(body))),),
     )
 
@@ -74,16 +79,18 @@ def stick_figure(points: NDArray[np.float64], body: Body) -> Any:
     bones = [(a, b) for a, b in body.bones if a in seen and b in seen]
     inside = [(a, b) for a, b in bones if body.cluster(a) == body.cluster(b)]
     between = [(a, b) for a, b in bones if body.cluster(a) != body.cluster(b)]
-    middles = [
-        (number, points[[m for m in cluster if m in seen]].mean(axis=0))
+    middles = {
+        number: points[[m for m in cluster if m in seen]].mean(axis=0)
         for number, cluster in enumerate(body.clusters, 1)
         if any(m in seen for m in cluster)
-    ]
+    }
     where = points[seen]
     low, high = where.min(axis=0), where.max(axis=0)
     room = 0.06 * max(*(high - low), 1.0)
     low, high = low - room, high + room
     scale = HEIGHT / (high[1] - low[1])
+    badges = apart(np.array(list(middles.values())), (BADGE + 2) / scale)
+    numbered = list(zip(middles, badges.tolist(), strict=True))
     layers = hv.Overlay(
         [
             _sticks(points, between, color=INK["ink3"], line_dash="dashed", line_width=1.2),
@@ -91,17 +98,15 @@ def stick_figure(points: NDArray[np.float64], body: Body) -> Any:
             hv.Points([(*points[m], body.labels[m]) for m in seen], ["x", "z"], "marker").opts(
                 color=INK["ink"], size=5, backend="bokeh"
             ),
-            hv.Points(
-                [(*middle, number) for number, middle in middles], ["x", "z"], "cluster"
-            ).opts(
-                size=18,
+            hv.Points([(*at, number) for number, at in numbered], ["x", "z"], "cluster").opts(
+                size=BADGE,
                 fill_color=INK["panel"],
                 line_color=INK["ink"],
                 line_width=1.2,
                 backend="bokeh",
             ),
             words(
-                ((*middle, str(number)) for number, middle in middles),
+                ((*at, str(number)) for number, at in numbered),
                 text_color=INK["ink"],
                 text_font_style="bold",
             ),
@@ -118,6 +123,25 @@ def stick_figure(points: NDArray[np.float64], body: Body) -> Any:
         xticks=4,
         data_aspect=1,
     )
+
+
+def apart(points: NDArray[np.float64], least: float) -> NDArray[np.float64]:
+    """Push points (n, 2) away from each other until none are closer than `least`, or nearly so."""
+    moved = points.copy()
+    for _ in range(PUSHES):
+        close = False
+        for i, j in combinations(range(len(moved)), 2):
+            away = moved[j] - moved[i]
+            distance = float(np.hypot(*away))
+            if distance < least:
+                close = True
+                direction = away / distance if distance > 0 else np.array([1.0, 0.0])
+                push = 0.5 * (least - distance) * direction
+                moved[i] -= push
+                moved[j] += push
+        if not close:
+            break
+    return moved
 
 
 def _sticks(points: NDArray[np.float64], pairs: Sequence[tuple[int, int]], **options: Any) -> Any:
@@ -155,7 +179,7 @@ def tree(body: Body) -> Any:
                 color=INK["ink3"], line_dash="dashed", line_width=1.2, backend="bokeh"
             ),
             hv.Points([(*at, c) for c, at in enumerate(places, 1)], ["x", "line"], "cluster").opts(
-                size=18,
+                size=BADGE,
                 fill_color=INK["panel"],
                 line_color=INK["ink"],
                 line_width=1.2,
@@ -179,6 +203,7 @@ def tree(body: Body) -> Any:
         xaxis=None,
         yaxis=None,
         invert_yaxis=True,
+        framed=False,
     )
 
 

@@ -15,7 +15,7 @@ import holoviews as hv
 import numpy as np
 from bokeh.core.properties import value
 from bokeh.embed import components
-from bokeh.models import SaveTool, Text
+from bokeh.models import ColorBar, SaveTool, Text
 from bokeh.resources import Resources
 
 from markermend_app.plots.figures import FONT, paint
@@ -65,14 +65,16 @@ class Picture:
         return tuple(panel for row in self.rows for panel in row)
 
 
-def drawn(element: Any, width: int, height: int, *, grid: str = "xy", **options: Any) -> Any:
+def drawn(
+    element: Any, width: int, height: int, *, grid: str = "xy", framed: bool = True, **options: Any
+) -> Any:
     """Give an element its size in px without axes, fonts, colours, a grid along x, y or both."""
     common = {
         "frame_width": width,
         "frame_height": height,
         "default_tools": [],
         "toolbar": None,
-        "hooks": [_dress, _gridded(grid)],
+        "hooks": [_dress, _ruled(grid, framed)],
         "show_legend": False,
         "show_grid": bool(grid),
     }
@@ -90,14 +92,19 @@ def _dress(plot: Any, _element: Any) -> None:
     for axis in (*figure.xaxis, *figure.yaxis):
         axis.update(axis_line_color=INK["line2"], major_tick_line_color=INK["line2"])
         axis.update(major_tick_in=0, major_tick_out=4, axis_label_text_color=INK["ink"])
+    for bar in figure.select({"type": ColorBar}):
+        bar.update(major_label_text_font=FONT, major_label_text_font_size="11px")
+        bar.update(major_label_text_color=INK["ink2"])
     for legend in figure.legend:
         legend.update(label_text_font=FONT, label_text_font_size="11px", border_line_color=None)
         legend.update(label_text_color=INK["ink2"], background_fill_alpha=0.8, margin=4)
 
 
-def _gridded(lines: str) -> Callable[[Any, Any], None]:
+def _ruled(lines: str, framed: bool) -> Callable[[Any, Any], None]:
     def hook(plot: Any, _element: Any) -> None:
         plot.state.xgrid.visible, plot.state.ygrid.visible = "x" in lines, "y" in lines
+        if not framed:
+            plot.state.outline_line_color = None
 
     return hook
 

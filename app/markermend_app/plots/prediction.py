@@ -21,7 +21,7 @@ from markermend_app.plots.picture import INK, Panel, Picture, drawn, log_range, 
 DASHES = ("solid", "dashed", "dotted", "dotdash")
 A_ROW = 4
 """Histograms beside each other: two markers, each without and with its own past."""
-CELL = 10
+CELL = 13
 """Edge in px of one pair of markers."""
 
 
@@ -98,13 +98,12 @@ def correlation(table: Correlation) -> Any:
         cmap=interp_palette([INK["ink"], INK["panel"], INK["accent"]], 201),
         clim=(-1, 1),
         colorbar=True,
-        colorbar_opts={"width": 12, "major_label_text_font_size": "11px"},
+        colorbar_opts={"width": 12},
         clabel="",
         invert_yaxis=True,
         xrotation=90,
         xlabel="",
         ylabel="",
-        fontsize={"ticks": "8px"},
     )
 
 
