@@ -18,6 +18,7 @@ from markermend.review.decisions import read_decisions
 from markermend.review.session import ReviewSession
 from markermend.review.store import Store, default_operator
 from markermend.train import (
+    FAST,
     LEVELS,
     Exercise,
     Grade,
@@ -77,6 +78,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="an expert's decisions on TAKE are the truth; nothing is put in",
     )
+    parser.add_argument(
+        "--quick", action="store_true", help="grade without comparing repairs with other methods"
+    )
     parser.add_argument("--trainee", metavar="NAME", help="default: MARKERMEND_OPERATOR, or you")
     parser.add_argument(
         "--store",
@@ -107,6 +111,8 @@ def _refuse_idle(options: argparse.Namespace) -> None:
     given += ["hidden"] if options.hidden else []
     if options.out is None and given:
         raise BadInput(f"--{given[0]} belongs to --out, which makes an exercise; leave it out.")
+    if options.quick and options.grade is None:
+        raise BadInput("--quick belongs to --grade; leave it out.")
     if options.take is not None and options.out is None and options.grade is None:
         raise BadInput("A report needs no take; leave it out.")
     if options.expert is None:
@@ -189,7 +195,13 @@ def _grade(options: argparse.Namespace) -> None:
             review, decided = session.review, session.decided
         number = archive.find(store, take.content_hash)
         exercise = archive.unseal(store, number, take)
-        result = grade(exercise, review, decided=decided, progress=_progress("Grading"))
+        result = grade(
+            exercise,
+            review,
+            decided=decided,
+            methods=() if options.quick else FAST,
+            progress=_progress("Grading"),
+        )
         archive.record(store, number, result, trainee)
         upcoming = next_exercise(archive.results(store, trainee))
     if options.json:

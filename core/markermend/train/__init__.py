@@ -10,9 +10,11 @@ from markermend.train.learning import Curve, Next, Result, Share, curves, next_e
 from markermend.train.levels import LEVELS, Level
 from markermend.train.marks import COLUMNS, ROWS, Grade, KindScore, Mark, Repaired
 from markermend.train.report import report
+from markermend.train.worth import FAST
 
 __all__ = [
     "COLUMNS",
+    "FAST",
     "LEVELS",
     "ROWS",
     "Answer",
