@@ -15,6 +15,7 @@ _JUMP_HALF = 6
 _REACH = 16  # frames around a box that its answer is taken out of
 _SIDE = 8  # frames in which nothing much may be left
 _NEAR_JUMP = 3
+_HANDICAP = (1.0, 1.0 / 1.2, 1.0 / 1.4)  # longer boxes fit what moves a little better
 _MOST_PER_FRAME = 0.2  # of a marker's frames that may be peaks
 
 
@@ -140,6 +141,7 @@ def _of_marker(
             for N, w in zip(left, witnesses, strict=True)
         ]
         joined: FloatArray = np.minimum.reduce(z)
+        joined[:LONGEST] *= np.array(_HANDICAP)[:, None]
         return joined
 
     now = score(slice(0, n))

@@ -201,8 +201,13 @@ def _hills(
 def _taken_out(whitened: Whitened, marker: int, start: int, L: int, u: float, pace: float) -> Hill:
     """Fit the triangle, take it out, and see what is left and whether a box does better."""
     rows = slice(3 * marker, 3 * marker + 3)
-    one = Whitened(whitened.g[rows], whitened.weight[rows], whitened.size)
-    n = one.g.shape[1]
+    reach = round(_AROUND * pace)
+    margin = reach + lengths(pace)[-1]
+    low = max(0, start + L // 2 - margin)
+    high = min(whitened.g.shape[1], start + L // 2 + margin + 1)
+    one = Whitened(whitened.g[rows, low:high], whitened.weight[rows], whitened.size)
+    n = high - low
+    offset, start = start, start - low
     shape = templates.triangle_template(L)
     q = one.energy(shape)
     N = one.g[:, start : start + L] @ shape
@@ -211,7 +216,6 @@ def _taken_out(whitened: Whitened, marker: int, start: int, L: int, u: float, pa
     answer = np.roll(answer, start, axis=1)[:, :n]
     rest = Whitened(one.g - (N / q)[:, None] * answer, one.weight, one.size)
     middle = start + L // 2
-    reach = round(_AROUND * pace)
     around = scan(rest, pace).score[0, max(0, middle - reach) : middle + reach + 1]
     left = float(around.max()) / score
     total = templates.sums(one)
@@ -220,7 +224,7 @@ def _taken_out(whitened: Whitened, marker: int, start: int, L: int, u: float, pa
             z = templates.score(templates.boxes(total, length), one.energy(np.ones(length)))[0]
             if z[max(0, start - length // 2) : start + L].max(initial=0.0) > _MOST_BOX * score:
                 left = 1.0
-    return Hill(marker, start, L, score, u * max(0.0, 1.0 - left), left, N / q)
+    return Hill(marker, offset, L, score, u * max(0.0, 1.0 - left), left, N / q)
 
 
 def _explained(

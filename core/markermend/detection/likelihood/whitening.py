@@ -1,6 +1,7 @@
 """Noise spectra of residuals, and the filters that whiten them."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy import fft
@@ -11,6 +12,14 @@ from markermend.model import FloatArray
 
 _SEGMENT = 256
 _BINS_OF_MEDIAN = 0.7  # about ln 2: the median of an exponential variable over its mean
+
+
+@lru_cache(maxsize=512)
+def _power(template: bytes, size: int) -> FloatArray:
+    """Power spectrum of a template; bins that stand for two frequencies count twice."""
+    power: FloatArray = np.abs(fft.rfft(np.frombuffer(template, np.float64), size)) ** 2
+    power[1 : (size + 1) // 2] *= 2.0
+    return power
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,9 +42,7 @@ class Whitened:
 
     def energy(self, template: FloatArray) -> FloatArray:
         """(n_series,): energy q of a template; the squared statistic is N^2 / q."""
-        spectrum = np.abs(fft.rfft(template, self.size)) ** 2
-        spectrum[1 : (self.size + 1) // 2] *= 2.0  # bins that stand for two frequencies
-        energies: FloatArray = self.weight @ spectrum / self.size
+        energies: FloatArray = self.weight @ _power(template.tobytes(), self.size) / self.size
         return energies
 
 
