@@ -60,8 +60,8 @@ def report(results: Sequence[Result]) -> str:
         "kind or nothing at all.</p>"
         f"<h2>Over time</h2>{_curves(curves(results))}"
         f"<p class=note>Dots: share found and named in one exercise, with its interval (Wilson). "
-        f"Line: {WINDOW} exercises together; there is none before the third. Levels grow harder "
-        "and stand under the dots.</p>"
+        f"Line and band: {WINDOW} exercises together; there is none before the third. Levels grow "
+        "harder and stand under the dots.</p>"
         f"<h2>Exercises</h2>{_exercises(results)}"
         f"<p class=note>Only the first grade of an exercise counts. Next: level "
         f"{now.upcoming.level}, {escape(', '.join(now.upcoming.kinds))}. "
@@ -127,6 +127,10 @@ def _figure(curve: Curve) -> str:
         places = " ".join(
             f"{x(i + WINDOW - 1):.1f},{y(one.value or 0.0):.1f}" for i, one in enumerate(curve.line)
         )
+        ends = [(x(i + WINDOW - 1), one) for i, one in enumerate(curve.line)]
+        band = [f"{at:.1f},{y(one.high):.1f}" for at, one in ends]
+        band += [f"{at:.1f},{y(one.low):.1f}" for at, one in reversed(ends)]
+        marks.insert(0, f'<polygon points="{" ".join(band)}" fill="#1d5c8a" fill-opacity="0.12"/>')
         marks.append(
             f'<polyline points="{places}" fill="none" stroke="#1d5c8a" stroke-width="1.5"/>'
         )
