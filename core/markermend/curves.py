@@ -121,7 +121,9 @@ def shape(
     return thin[:, 0], (span.start - wide.start) / n, (span.stop - 1 - wide.start) / n
 
 
-def expected(own: FloatArray, neighbours: FloatArray, trusted: BoolArray) -> FloatArray:
+def expected(
+    own: FloatArray, neighbours: FloatArray, trusted: BoolArray, weights: FloatArray
+) -> FloatArray:
     """Give where a marker would be if it kept its place among its neighbours.
 
     Parameters
@@ -132,6 +134,8 @@ def expected(own: FloatArray, neighbours: FloatArray, trusted: BoolArray) -> Flo
         (n_frames, n_neighbours, n_dims) mm; NaN where not seen.
     trusted
         (n_frames,): where the marker's own positions may be learnt from.
+    weights
+        (n_neighbours,): how much each neighbour counts, not negative.
 
     Returns
     -------
@@ -146,7 +150,7 @@ def expected(own: FloatArray, neighbours: FloatArray, trusted: BoolArray) -> Flo
         middle = neighbours.mean(axis=1)
         return np.asarray(middle + (own - middle)[usable].mean(axis=0))
     model = neighbours[np.flatnonzero(usable)[int(usable.sum()) // 2]]
-    frames = kabsch(model, neighbours, np.ones(len(model)))
+    frames = kabsch(model, neighbours, weights)
     place = frames.to_local(own)[usable].mean(axis=0)
     there = frames.to_world(np.broadcast_to(place, own.shape))
     return np.where(each.sum(axis=1)[:, None] >= n_dims, there, np.nan)

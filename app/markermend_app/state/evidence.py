@@ -55,11 +55,17 @@ def surroundings(opened: Opened, marker: int, frames: Span, hidden: Span | None)
     if hidden is not None:
         trusted[max(0, hidden.start - frames.start) : max(0, hidden.stop - frames.start)] = False
     expected = (
-        curves.expected(own, neighbours, trusted)
+        curves.expected(own, neighbours, trusted, _weights(opened, marker, near))
         if near
         else np.full(own.shape, np.nan)
     )  # fmt: skip
     return Surroundings(frames.start, own, neighbours, trusted, expected)
+
+
+def _weights(opened: Opened, marker: int, near: list[int]) -> FloatArray:
+    """Let a neighbour count by how little its distance varies, in mm."""
+    spread = opened.mesh.spread[marker, near]
+    return np.asarray(1.0 / np.square(1.0 + np.where(np.isfinite(spread), spread, 1e3)))
 
 
 def signal_of(

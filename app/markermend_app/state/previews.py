@@ -12,7 +12,7 @@ from markermend.repairing.compare import Row, compare_iter, concluded
 from markermend.repairing.trust import SLOW, Trust
 from markermend.review import Judgement
 
-AT_HAND = ("rigid", "pchip", "linear")
+AT_HAND = ("unstep", "unslow", "rigid", "butterworth", "pchip", "linear", "leave")
 """Methods that take a few milliseconds; what they give is shown before anything is compared."""
 
 
@@ -83,7 +83,7 @@ def at_hand(
     take: Take, judged: Judgement, masked: Sequence[tuple[str, Span]], names: Sequence[str]
 ) -> tuple[Preview, ...]:
     """Give the rows of these methods, those computed that cost nothing: the first preview."""
-    wanted = (*DEFAULTS[judged.kind], *AT_HAND, "leave")
+    wanted = (*(["swap"] if judged.finding.partner else []), *AT_HAND)
     rows = []
     for name in sorted(names, key=lambda name: wanted.index(name) if name in wanted else 99):
         row = Preview(name, REPAIRS.get(name).title, slow=name in SLOW)
@@ -159,9 +159,12 @@ def recommended(rows: Sequence[Preview], judged: Judgement, *, complete: bool) -
 
 
 def _default(rows: Sequence[Preview], kind: Kind) -> str:
-    """Give the first of the kind's defaults that applies; where none does, leave the gap."""
+    """Give the first of the kind's defaults that is there; where none is, leave the gap.
+
+    Labels that were exchanged are exchanged back, whatever else there is.
+    """
     state = {row.name: row for row in rows}
-    for name in (*DEFAULTS[kind], "leave"):
+    for name in ("swap", *DEFAULTS[kind], "leave"):
         row = state.get(name)
         if row is not None and row.repair is not None:
             return name
