@@ -8,10 +8,11 @@ import numpy as np
 
 from markermend.detection import detect, overlapping
 from markermend.errors import BadInput, CannotRepair
-from markermend.evaluate.contamination import Truth, contaminate
+from markermend.evaluate.contamination import contaminate
 from markermend.evaluate.parallel import in_order
 from markermend.model import Finding, FloatArray, Kind, Span, Take
 from markermend.repairing import REPAIRS, Wish, apply, repair_all
+from markermend.truth import Truth
 
 KINDS: tuple[Kind, ...] = ("peak", "noise", "step", "slow")
 METHODS = ("linear", "savgol", "spline", "ffnn", "")
@@ -211,7 +212,7 @@ def _simulate(task: _Task) -> list[tuple[float, ...]]:
         "perfect": [(t.marker, t.span, t.kind, None) for t in truths],
         "detected": [_one(group) for group in overlapping(found)],
     }
-    figures = []
+    figures: list[tuple[float, ...]] = []
     for method in task.methods:
         for spans in SPANS:
             wishes = [

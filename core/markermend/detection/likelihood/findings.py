@@ -14,7 +14,9 @@ from markermend.model import AXES, Evidence, Finding, FloatArray, Span, Take
 
 _WINDOW, _OVERLAP = 4400, 220  # frames: longer takes go in pieces, so time and memory stay linear
 _CONTEXT = 60  # frames of evidence on each side
-_AXIS_SHARE = 0.4  # of the amplitude, from which an axis is named
+_AXIS_SHARE = 0.2  # of the amplitude, from which an axis is named
+_SLOW_AXIS_SHARE = 0.4  # for slow changes, whose other axes drift along with the prediction
+_AXIS_NOISE = 4.0  # and times the axis's own noise
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,8 +105,13 @@ def _finding(c: Candidate, piece: Piece, take: Take) -> Finding:
         signal = rest @ (sizes / max(amplitude, 1e-9))
         template = np.zeros(high - low)
         template[c.start - low : c.stop - low] = amplitude * shape
+    noise = _spread(rest[outside]) / (1.0 if c.kind == "noise" else np.sqrt((shape**2).sum()))
+    share = _SLOW_AXIS_SHARE if c.kind == "slow" else _AXIS_SHARE
+    least = np.maximum(share * amplitude, _AXIS_NOISE * noise)
     axes = tuple(
-        AXES[i] for i in range(take.n_dims) if abs(sizes[i]) >= _AXIS_SHARE * max(amplitude, 1e-9)
+        AXES[i]
+        for i in range(take.n_dims)
+        if abs(sizes[i]) >= min(least[i], np.abs(sizes[: take.n_dims]).max())
     )
     evidence = Evidence(
         name="deviation from where the neighbours put the marker",
@@ -121,12 +128,19 @@ def _finding(c: Candidate, piece: Piece, take: Take) -> Finding:
         span=Span(offset + c.start, offset + c.stop),
         kind=c.kind,
         score=probability(c.kind, c.strength),
-        axes=axes or AXES[: take.n_dims],
+        axes=axes,
         amplitude=amplitude,
         detector="likelihood",
         strength=c.strength,
         evidence=evidence,
     )
+
+
+def _spread(deviation: FloatArray) -> FloatArray:
+    """Give the robust standard deviation of each axis; zeros where there is nothing around."""
+    if not len(deviation):
+        return np.zeros(deviation.shape[1])
+    return np.asarray(1.4826 * np.median(np.abs(deviation), axis=0))
 
 
 def _shape(c: Candidate) -> FloatArray:
