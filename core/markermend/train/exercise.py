@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from markermend.detection.run import DEFAULT, detect
 from markermend.errors import BadInput, BadParameter, CannotRepair, UnknownName
-from markermend.model import KINDS, FloatArray, Kind, Span, Take
+from markermend.model import KINDS, Finding, FloatArray, Kind, Span, Take
 from markermend.repairing import Wish, apply, repair_all
 from markermend.repairing.problem import Repair
 from markermend.review import Review
@@ -127,6 +128,13 @@ class Exercise:
             known = np.isfinite(answer.values)
             part[known] = answer.values[known]
         return self.take.with_positions(positions)
+
+    def shown(self, detector: str = DEFAULT) -> tuple[Finding, ...]:
+        """Give what the trainee is shown to judge: a detector's findings, right and wrong ones.
+
+        Nothing where the trainee has to find everything alone.
+        """
+        return () if self.hidden else detect(self.take, detector)
 
     def on(self, take: Take) -> "Exercise":
         """Give the same exercise on the same take as another program or a file gives it back."""

@@ -74,6 +74,15 @@ def test_the_take_of_an_exercise_is_not_taken_for_the_recording() -> None:
     assert exercise.take.content_hash != "f" * 64
 
 
+def test_a_trainee_is_shown_what_the_detector_finds_or_nothing() -> None:
+    exercise = make_exercise(CLEAN, 3, 5, amplitude_mm=40.0)
+    shown = exercise.shown("published")
+    gaps = {(t.marker, t.span) for t in exercise.truths if t.kind == "gap"}
+    assert gaps <= {(f.marker, f.span) for f in shown}
+    assert any(f.kind == "peak" for f in shown)
+    assert replace(exercise, hidden=True).shown("published") == ()
+
+
 def test_density_is_artefacts_a_minute() -> None:
     exercise = make_exercise(CLEAN, 7, 1, density=80)  # the take lasts a quarter of a minute
     assert len(exercise.answers) == 20

@@ -1,14 +1,18 @@
 """Simulated trainees of known skill get the scores that theory gives them."""
 
+import json
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.stats import binomtest
 
 from markermend.evaluate.scores import overall_mcc
 from markermend.model import Kind, Span, Take
+from markermend.review import Review
 from markermend.train import COLUMNS, ROWS, Exercise, grade, make_exercise
 from markermend.train.exercise import Answer
 from markermend.truth import Truth
@@ -237,6 +241,42 @@ def test_every_outcome() -> None:
     assert "you called a slow change" in words["misclassified"]
     assert "false alarm" in words["missed"]
     assert words["invented"].startswith("Nothing is wrong here")
+
+
+@st.composite
+def any_review(draw: st.DrawFn) -> Review:
+    """Anything that somebody might decide on the small exercise; accepted spans do not overlap."""
+    found = []
+    for marker in "ABC":
+        edges = sorted(draw(st.sets(st.integers(1, 399), max_size=8)))
+        for start, stop in zip(edges[::2], edges[1::2], strict=False):
+            verdict = draw(st.sampled_from(["accepted", "accepted", "rejected", "deferred", None]))
+            kind = draw(st.sampled_from(("gap", *KINDS)))
+            method = draw(st.sampled_from(["linear", "pchip", "leave"]))
+            found.append(judged(marker, Span(start, stop), kind, verdict, method))
+    return review_of(found)
+
+
+@settings(max_examples=100, deadline=None)
+@given(any_review())
+def test_every_artefact_and_every_decision_is_counted_once(review: Review) -> None:
+    exercise = small_exercise()
+    result = grade(exercise, review, methods=())
+    about = [m for m in result.marks if m.outcome in ("right", "misclassified", "missed")]
+    assert sorted((m.marker, m.span) for m in about) == sorted(
+        (t.marker, t.span) for t in exercise.truths
+    )
+    accepted = [j.finding.id for j in review if j.decision.verdict == "accepted"]
+    said = [m.finding for m in result.marks if m.called is not None]
+    assert sorted(said) == sorted(accepted)
+    assert sum(map(sum, result.matrix)) == len(result.marks) - result.count("partial")
+    for kind, score in result.kinds.items():
+        assert 0 <= score.right <= score.found <= score.true
+        assert 0 <= score.wrong <= score.called
+        assert score.true == sum(t.kind == kind for t in exercise.truths)
+        assert score.called == sum(row[COLUMNS.index(kind)] for row in result.matrix)
+    assert result.worse == ((result.rmse_after_mm or 0) > (result.rmse_before_mm or 0) + 1e-6)
+    assert json.loads(json.dumps(result.to_json(), allow_nan=False))["verdict"] == result.verdict
 
 
 def test_too_little_of_an_artefact_is_a_miss_that_says_where_it_lies() -> None:
