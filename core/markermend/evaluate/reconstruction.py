@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from markermend.detection import detect, overlapping
-from markermend.errors import BadInput, CannotRepair
+from markermend.errors import BadInput
 from markermend.evaluate.contamination import contaminate
 from markermend.evaluate.parallel import in_order
 from markermend.model import Finding, FloatArray, Kind, Span, Take
@@ -208,7 +208,7 @@ def _simulate(task: _Task) -> list[tuple[float, ...]]:
     clean = task.take.positions[:, task.take.measured]
     before = _rms(distorted.positions[:, task.take.measured] - clean)
     found = detect(distorted, task.detector, kinds=KINDS)
-    wanted = {
+    wanted: dict[str, list[tuple[str, Span, Kind, str | None]]] = {
         "perfect": [(t.marker, t.span, t.kind, None) for t in truths],
         "detected": [_one(group) for group in overlapping(found)],
     }
@@ -220,10 +220,7 @@ def _simulate(task: _Task) -> list[tuple[float, ...]]:
                 for marker, span, kind, partner in wanted[spans]
             ]
             repairs, refusals = repair_all(distorted, wishes)
-            try:
-                mended = apply(distorted, repairs)
-            except CannotRepair:  # pragma: no cover  two swaps that write each other's marker
-                mended = distorted
+            mended = apply(distorted, repairs)
             away = mended.positions[:, task.take.measured] - clean
             inside = _inside(task.take, mended, truths)
             figures.append((_rms(away), before, inside, len(refusals), len(wishes)))

@@ -154,14 +154,19 @@ def apply(take: Take, repairs: Iterable[Repair]) -> Take:
     Raises
     ------
     BadInput
-        If a repair's span lies outside the take or two repairs write the same sample.
+        If a repair's span lies outside the take, or two repairs write different values to the same
+        sample. The two halves of a swap write the same and are no conflict.
     """
     positions = take.positions.copy()
     written = np.zeros((take.n_frames, take.n_markers), bool)
     for done in repairs:
         for label, values in ((done.marker, done.values), *done.also):
             marker = take.index(label)
-            if done.span.stop > take.n_frames or written[done.span.frames, marker].any():
+            before = written[done.span.frames, marker]
+            there = positions[done.span.frames, marker]
+            if done.span.stop > take.n_frames or not np.array_equal(
+                there[before], values[before], equal_nan=True
+            ):
                 raise BadInput(
                     f"Two repairs write {label} in frames {done.span.start} to {done.span.stop}; "
                     "merge the spans or give one of them up."
