@@ -2,13 +2,23 @@
 
 import argparse
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from markermend.errors import CannotWrite
-from markermend_app.cli.common import json_text, progress, read, take_argument
+from markermend_app.cli.common import read, take_argument
+from markermend_app.cli.experiments import recovery
+from markermend_app.cli.experiments.shared import (
+    bar,
+    json_argument,
+    numbers,
+    print_table,
+    whole_numbers,
+    words,
+    work_arguments,
+    write_json,
+)
 from markermend_app.cli.picture import picture_argument, refuse_picture, write_picture
 from markermend_app.cli.terminal import say
 
@@ -22,8 +32,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     take_argument(e1)
     _detectors(e1)
-    e1.add_argument("--amplitude", type=_numbers, default=(5.0, 10.0), metavar="MM,MM")
-    e1.add_argument("--share", type=_numbers, default=(0.05, 0.1, 0.2), metavar="S,S")
+    e1.add_argument("--amplitude", type=numbers, default=(5.0, 10.0), metavar="MM,MM")
+    e1.add_argument("--share", type=numbers, default=(0.05, 0.1, 0.2), metavar="S,S")
     _simulations(e1, 100)
     picture_argument(e1)
 
@@ -42,11 +52,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     take_argument(e3)
     _detectors(e3)
-    e3.add_argument(
-        "--methods", type=_words, default=(), metavar="A,B", help="default: by kind too"
-    )
+    e3.add_argument("--methods", type=words, default=(), metavar="A,B", help="default: by kind too")
     e3.add_argument("--amplitude", type=float, default=10.0, metavar="MM")
-    e3.add_argument("--share", type=_numbers, default=(0.05, 0.1, 0.2), metavar="S,S")
+    e3.add_argument("--share", type=numbers, default=(0.05, 0.1, 0.2), metavar="S,S")
     _simulations(e3, 20)
     picture_argument(e3)
 
@@ -54,28 +62,30 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "predictors", help="how well markers are predicted from their neighbours, and by what"
     )
     take_argument(predictors)
-    predictors.add_argument("--tables", type=_words, default=(), metavar="A,B")
-    predictors.add_argument("--markers", type=_words, default=(), metavar="A,B")
+    predictors.add_argument("--tables", type=words, default=(), metavar="A,B")
+    predictors.add_argument("--markers", type=words, default=(), metavar="A,B")
     predictors.add_argument("--seed", type=int, default=0)
-    _json(predictors)
+    json_argument(predictors)
     picture_argument(predictors)
 
     mesh = experiments.add_parser(
         "mesh", help="the functional body mesh: clusters of markers, their parents and siblings"
     )
     take_argument(mesh)
-    _json(mesh)
+    json_argument(mesh)
     picture_argument(mesh)
+
+    recovery.arguments(experiments)
 
     masks = experiments.add_parser("masks", help="fill the gaps of a benchmark by any methods")
     masks.add_argument("masks", type=Path, metavar="FILE", help="masks, beside datasets.json")
-    masks.add_argument("--methods", type=_words, default=("auto",), metavar="A,B")
-    masks.add_argument("--datasets", type=_words, default=(), metavar="A,B")
-    masks.add_argument("--lengths", type=_whole, default=(), metavar="N,N")
-    masks.add_argument("--seeds", type=_whole, default=(), metavar="N,N")
+    masks.add_argument("--methods", type=words, default=("auto",), metavar="A,B")
+    masks.add_argument("--datasets", type=words, default=(), metavar="A,B")
+    masks.add_argument("--lengths", type=whole_numbers, default=(), metavar="N,N")
+    masks.add_argument("--seeds", type=whole_numbers, default=(), metavar="N,N")
     masks.add_argument("--peers", type=Path, metavar="CSV", help="errors of other programs")
     masks.add_argument("--jobs", type=int, default=1, metavar="J")
-    _json(masks)
+    json_argument(masks)
     picture_argument(masks)
 
 
@@ -84,7 +94,7 @@ def _detectors(parser: argparse.ArgumentParser) -> None:
 
     parser.add_argument(
         "--detector",
-        type=_words,
+        type=words,
         default=(DEFAULT,),
         metavar="A,B",
         help=f"some of {', '.join(DETECTORS.names())} (default: {DEFAULT})",
@@ -93,13 +103,7 @@ def _detectors(parser: argparse.ArgumentParser) -> None:
 
 def _simulations(parser: argparse.ArgumentParser, default: int) -> None:
     parser.add_argument("--simulations", type=int, default=default, metavar="N")
-    parser.add_argument("--jobs", type=int, default=1, metavar="J", help="processes")
-    parser.add_argument("--seed", type=int, default=0)
-    _json(parser)
-
-
-def _json(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures as JSON")
+    work_arguments(parser)
 
 
 def run(options: argparse.Namespace) -> None:
@@ -119,10 +123,10 @@ def _e1(options: argparse.Namespace) -> None:
         simulations=options.simulations,
         jobs=options.jobs,
         seed=options.seed,
-        progress=_progress("Simulating"),
+        progress=bar("Simulating"),
     )
-    _print(*result.table())
-    _write(options.json, result.to_json())
+    print_table(*result.table())
+    write_json(options.json, result.to_json())
     if options.picture:
         from markermend_app.plots.experiments import classification
 
@@ -142,13 +146,13 @@ def _e2(options: argparse.Namespace) -> None:
             simulations=options.simulations,
             jobs=options.jobs,
             seed=options.seed,
-            progress=_progress("Simulating"),
+            progress=bar("Simulating"),
         )
         say(f"detector {detector}, mean of {options.simulations}")
-        _print(*result.table())
+        print_table(*result.table())
         results.append(result)
     records = [result.to_json() for result in results]
-    _write(options.json, {"version": 1, "experiment": "e2", "detectors": records})
+    write_json(options.json, {"version": 1, "experiment": "e2", "detectors": records})
     if options.picture:
         from markermend_app.plots.experiments import operators
 
@@ -168,10 +172,10 @@ def _e3(options: argparse.Namespace) -> None:
         simulations=options.simulations,
         jobs=options.jobs,
         seed=options.seed,
-        progress=_progress("Simulating"),
+        progress=bar("Simulating"),
     )
-    _print(*result.table())
-    _write(options.json, result.to_json())
+    print_table(*result.table())
+    write_json(options.json, result.to_json())
     if options.picture:
         from markermend_app.plots.experiments import reconstruction
 
@@ -187,12 +191,12 @@ def _predictors(options: argparse.Namespace) -> None:
         tables=options.tables or TABLES,
         markers=options.markers,
         seed=options.seed,
-        progress=_progress("Predicting"),
+        progress=bar("Predicting"),
     )
     for title, columns, rows in result.tables():
         say(title)
-        _print(columns, rows)
-    _write(options.json, result.to_json())
+        print_table(columns, rows)
+    write_json(options.json, result.to_json())
     if options.picture:
         from markermend_app.plots import prediction
 
@@ -205,8 +209,8 @@ def _mesh(options: argparse.Namespace) -> None:
 
     take = read(options.take, options)
     body = infer(take)
-    _print(*mesh_table(body))
-    _write(options.json, mesh_record(take, body))
+    print_table(*mesh_table(body))
+    write_json(options.json, mesh_record(take, body))
     if options.picture:
         from markermend_app.plots.mesh import body_mesh
 
@@ -223,7 +227,7 @@ def _masks(options: argparse.Namespace) -> None:
         lengths=options.lengths,
         seeds=options.seeds,
         workers=options.jobs,
-        progress=_progress("Filling"),
+        progress=bar("Filling"),
     )
     rows = table(errors, read_peers(options.peers) if options.peers else None)
     columns = (
@@ -244,8 +248,8 @@ def _masks(options: argparse.Namespace) -> None:
         )
         for row in rows
     ]
-    _print(columns, shown)
-    _write(
+    print_table(columns, shown)
+    write_json(
         options.json,
         {
             "version": 1,
@@ -265,21 +269,11 @@ RUNS: dict[str, Callable[[argparse.Namespace], None]] = {
     "e2": _e2,
     "e3": _e3,
     "predictors": _predictors,
+    "li": recovery.run_li,
+    "kamali": recovery.run_kamali,
     "mesh": _mesh,
     "masks": _masks,
 }
-
-
-def _progress(what: str) -> Callable[[int, int], None]:
-    """Give a function that makes a bar when it first hears how much there is to do."""
-    bars: dict[int, Callable[[int], None]] = {}
-
-    def move(done: int, total: int) -> None:
-        if total not in bars:
-            bars[total] = progress(total, what)
-        bars[total](done)
-
-    return move
 
 
 def _finite(record: dict[str, Any]) -> dict[str, Any]:
@@ -288,31 +282,3 @@ def _finite(record: dict[str, Any]) -> dict[str, Any]:
         key: None if isinstance(value, float) and not math.isfinite(value) else value
         for key, value in record.items()
     }
-
-
-def _words(text: str) -> tuple[str, ...]:
-    return tuple(word.strip() for word in text.split(",") if word.strip())
-
-
-def _numbers(text: str) -> tuple[float, ...]:
-    return tuple(float(word) for word in _words(text))
-
-
-def _whole(text: str) -> tuple[int, ...]:
-    return tuple(int(word) for word in _words(text))
-
-
-def _print(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Print a table, numbers to the right."""
-    widths = [max(len(str(row[i])) for row in (columns, *rows)) for i in range(len(columns))]
-    for row in (columns, *rows):
-        say("  ".join(f"{cell:>{w}}" for cell, w in zip(row, widths, strict=True)).rstrip())
-
-
-def _write(path: Path | None, record: dict[str, Any]) -> None:
-    if path is None:
-        return
-    try:
-        path.write_text(json_text(record), encoding="utf-8")
-    except OSError as error:
-        raise CannotWrite(f"{path} cannot be written: {error.strerror}.") from None

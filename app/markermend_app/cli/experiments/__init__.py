@@ -1,0 +1,1 @@
+"""Experiments of ``markermend evaluate`` with a module of their own, and what all share."""
