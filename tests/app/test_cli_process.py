@@ -11,6 +11,7 @@ import pytest
 
 import markermend as mm
 import markermend_app
+from markermend_app.cli import picture
 from markermend_app.cli.review import NEEDED
 
 from .conftest import made_take
@@ -97,7 +98,7 @@ def test_the_application_imports_nothing_else_of_the_extra():
             else []
         )
     }
-    assert imported & extra == set(NEEDED)
+    assert imported & extra == {*NEEDED, *picture.NEEDED}
 
 
 @pytest.mark.parametrize("missing", [APP, "panel", "pyvista", "bokeh"])

@@ -21,7 +21,7 @@ def mesh_table(body: Body) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
         raise BadInput("The take has no body: no measured marker is ever seen.")
     names = [" ".join(body.labels[m] for m in cluster) for cluster in body.clusters]
     width = max(map(len, names))  # padded here, since text is read from the left
-    rows = [
+    rows: list[tuple[str, ...]] = [
         (
             str(number),
             "-" if parent is None else str(parent + 1),

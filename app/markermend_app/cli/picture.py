@@ -1,16 +1,16 @@
 """The option ``--picture FILE.html``: the figures of a command drawn, in one file."""
 
 import argparse
-import importlib.util
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from markermend.errors import BadInput, CannotWrite, MarkerMendError
+from markermend_app.cli.review import installed
 
 if TYPE_CHECKING:
     from markermend_app.plots.picture import Picture
 
-NEEDED = ("bokeh", "holoviews", "pyvista")
+NEEDED = ("bokeh", "holoviews", "panel", "pyvista")
 """What pictures import of the extra."""
 NEEDS_APP = "--picture needs more packages: install them with pip install 'markermend[app]'."
 
@@ -34,7 +34,7 @@ def refuse_picture(path: Path | None) -> None:
     """
     if path is None:
         return
-    if not all(importlib.util.find_spec(package) for package in NEEDED):
+    if not all(map(installed, NEEDED)):
         raise MarkerMendError(NEEDS_APP)
     if path.suffix.lower() not in (".html", ".htm"):
         raise BadInput(f"--picture makes an HTML file; got {path.name!r}, name it FILE.html.")

@@ -15,7 +15,9 @@ NEEDS_APP = "The application needs more packages: install them with pip install 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("paths", metavar="PATH", nargs="+", type=Path, help="takes to review")
+    parser.add_argument(
+        "paths", metavar="PATH", nargs="+", type=Path, help="takes, or folders of takes, to review"
+    )
     lacking(parser)
     serving(parser)
 
@@ -27,6 +29,12 @@ def serving(parser: argparse.ArgumentParser) -> None:
         type=whole(1, 65535),
         metavar="N",
         help="port on the loopback (default: any free one)",
+    )
+    parser.add_argument(
+        "--window", action="store_true", help="a window of its own, where pywebview is installed"
+    )
+    parser.add_argument(
+        "--keys", metavar="FILE", type=Path, help='other keys, as JSON: {"accept": "Enter"}'
     )
     parser.add_argument("--no-browser", action="store_true", help="print the address only")
     parser.add_argument(
@@ -43,8 +51,11 @@ def run(options: argparse.Namespace) -> None:
         if not path.exists():
             raise BadInput(f"There is no file {path}; give the path of a recording.")
     # The page asks for what later takes lack; the one it opens with is refused here and now.
-    read(options.paths[0], options)
-    serve(options, tuple(path.absolute() for path in options.paths))
+    from markermend_app.state.workspace import work_list
+
+    paths = work_list(path.absolute() for path in options.paths)
+    read(paths[0], options)
+    serve(options, paths)
 
 
 def refuse_without_the_extra() -> None:
@@ -55,11 +66,12 @@ def refuse_without_the_extra() -> None:
     MarkerMendError
         If the packages of the application are not installed.
     """
-    if not all(map(_installed, NEEDED)):
+    if not all(map(installed, NEEDED)):
         raise MarkerMendError(NEEDS_APP)
 
 
-def _installed(package: str) -> bool:
+def installed(package: str) -> bool:
+    """Say whether a package can be imported, without importing it."""
     try:
         return importlib.util.find_spec(package) is not None
     except ModuleNotFoundError:
@@ -69,9 +81,11 @@ def _installed(package: str) -> bool:
 def serve(options: argparse.Namespace, paths: tuple[Path, ...]) -> None:
     """Open the store and serve these takes."""
     from markermend.review.store import Store
-    from markermend_app import shell
+    from markermend_app import keys, shell
     from markermend_app.state.workspace import Workspace
 
+    if options.keys is not None:
+        keys.use(keys.read_keys(options.keys))
     store = Store(options.store)
     workspace = Workspace(
         store,
@@ -84,6 +98,7 @@ def serve(options: argparse.Namespace, paths: tuple[Path, ...]) -> None:
         workspace,
         port=options.port,
         show=not options.no_browser,
+        window=options.window,
         ready=_announce,
     )
 

@@ -7,10 +7,10 @@ import holoviews as hv
 import numpy as np
 from bokeh.palettes import interp_palette
 
-from markermend.evaluate.classification import KINDS, Cell, Classification
+from markermend.evaluate.classification import Cell, Classification
 from markermend.evaluate.masks import Row
 from markermend.evaluate.operators import Comparison
-from markermend.evaluate.reconstruction import Reconstruction, Reconstructions
+from markermend.evaluate.reconstruction import KINDS, Reconstruction, Reconstructions
 from markermend.evaluate.scores import CLASSES
 from markermend.model import Kind
 from markermend_app.plots.picture import (

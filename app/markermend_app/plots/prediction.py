@@ -237,7 +237,7 @@ def shown(table: Sequence[RegressorScore]) -> Any:
     return _lying(
         layers,
         [one.name for one in table],
-        xlim=(min(0.0, *values) - 0.05, max(1.0, *values) + 0.05),
+        xlim=(min([0.0, *values]) - 0.05, max([1.0, *values]) + 0.05),
         xlabel="share",
     )
 
