@@ -1,5 +1,6 @@
 """The server: on the loopback, one desk per page."""
 
+import importlib.util
 import socket
 from collections.abc import Callable
 
@@ -36,6 +37,7 @@ def serve(
     *,
     port: int | None = None,
     show: bool = True,
+    window: bool = False,
     ready: Callable[[str], None] = lambda _: None,
 ) -> None:
     """Serve the application until it is interrupted.
@@ -48,21 +50,43 @@ def serve(
         Where; by default any that is free.
     show
         Whether to open the browser.
+    window
+        Whether to open a window of its own instead, where pywebview is installed; closing it ends
+        the server.
     ready
         Called with the address before the first page is served.
+
+    Raises
+    ------
+    BadInput
+        If the port is taken, or a window is wanted and pywebview is not installed.
     """
+    if window and importlib.util.find_spec("webview") is None:
+        raise BadInput("A window of its own needs pywebview: install it, or leave --window out.")
     pn.extension("vtk", notifications=False)
     port = free_port(port)
     ready(f"http://localhost:{port}/")
-    pn.serve(
+    server = pn.serve(
         {"/": lambda: page(workspace)},
         title="MarkerMend",
         address=ADDRESS,
         port=port,
-        show=show,
+        show=show and not window,
+        threaded=window,
         websocket_origin=[f"{host}:{port}" for host in ("localhost", ADDRESS)],
         verbose=False,
     )
+    if window:
+        _show_window(f"http://localhost:{port}/")
+        server.stop()
+
+
+def _show_window(address: str) -> None:
+    """Show the page in a native window until it is closed."""
+    import webview
+
+    webview.create_window("MarkerMend", address, width=1600, height=1000)
+    webview.start()
 
 
 def page(workspace: Workspace) -> pn.Template:
@@ -75,5 +99,6 @@ def page(workspace: Workspace) -> pn.Template:
     desk = Desk(workspace, schedule)
     template = build(desk)
     pn.state.on_session_destroyed(lambda _: desk.close())
-    pn.state.onload(lambda: desk.open(workspace.paths[0]))
+    if workspace.paths:
+        pn.state.onload(lambda: desk.open(workspace.paths[0]))
     return template

@@ -2,7 +2,7 @@
 
 import threading
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -231,3 +231,14 @@ def takes_in(folder: Path) -> tuple[Path, ...]:
     except OSError:
         return ()
     return tuple(sorted(found, key=lambda p: p.name.lower()))
+
+
+def work_list(paths: Iterable[Path]) -> tuple[Path, ...]:
+    """Put the takes of each folder in its place; a folder that is itself a take stays.
+
+    The takes of a folder stand in the order of their names; folders in it are not entered.
+    """
+    found: list[Path] = []
+    for path in paths:
+        found += (takes_in(path) if path.is_dir() else ()) or (path,)
+    return tuple(dict.fromkeys(found))
