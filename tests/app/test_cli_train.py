@@ -86,6 +86,7 @@ def test_practice_from_the_first_exercise_to_the_report(lab: Lab, command: Comma
     assert (graded.code, graded.err) == (0, "")
     assert graded.out.startswith("You found and named 1 of 1, and left the take better")
     assert "\nright " in graded.out
+    assert [line.split() for line in graded.out.splitlines()[4:6]] == [["peak"], ["peak", "1"]]
     assert graded.out.splitlines()[-1].startswith("Next: level 2, peak.")
     group = json.loads(command("train", "--group", "--json").out)
     (ben,) = group["trainees"]
@@ -221,6 +222,12 @@ def test_two_operators_compared(
     text = command("agree", *two_reviews, "--take", take_path, "--expert", two_reviews[0]).out
     assert "anna and ben:" in text
     assert "M1 100-150: nothing, noise" in text
+    table = text[text.index("things by class, anna down, ben across:") :].splitlines()[1:4]
+    assert [line.split() for line in table] == [
+        ["peak", "noise"],
+        ["nothing", ".", "1"],
+        ["peak", "1", "."],
+    ]
     rows = [line.split() for line in text.splitlines()[-3:]]
     assert [row[:2] for row in rows] == [["none", "1"], ["anna", "1"], ["ben", "2"]]
 

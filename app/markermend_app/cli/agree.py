@@ -6,10 +6,12 @@ from pathlib import Path
 
 from markermend import detection
 from markermend.comparing import Agreement, PairAgreement, TableRow, agreement
+from markermend.comparing.compared import SPAN_CLASSES
 from markermend.errors import BadInput
 from markermend.evaluate.matching import IOU
 from markermend.review.decisions import Decisions, read_decisions
 from markermend_app.cli.common import json_text, lacking, progress, read
+from markermend_app.cli.crossed import crossed
 from markermend_app.cli.terminal import plain, put, say
 
 
@@ -143,6 +145,9 @@ def _print_pair(pair: PairAgreement) -> None:
         f"  Cohen's kappa         {_number(pair.kappa_samples)} over samples, "
         f"{_number(pair.kappa_spans)} over spans"
     )
+    say(f"  things by class, {pair.names[0]} down, {pair.names[1]} across:")
+    for line in crossed(SPAN_CLASSES, SPAN_CLASSES, pair.spans):
+        say(f"    {line}")
     apart = pair.difference
     if apart is not None and apart.mean_mm is not None and apart.where is not None:
         marker, frame = apart.where

@@ -18,8 +18,10 @@ from markermend.review.decisions import read_decisions
 from markermend.review.session import ReviewSession
 from markermend.review.store import Store, default_operator
 from markermend.train import (
+    COLUMNS,
     FAST,
     LEVELS,
+    ROWS,
     Exercise,
     Grade,
     archive,
@@ -31,6 +33,7 @@ from markermend.train import (
     report,
 )
 from markermend_app.cli.common import json_text, kinds, lacking, read, whole
+from markermend_app.cli.crossed import crossed
 from markermend_app.cli.terminal import plain, put, say
 
 
@@ -249,6 +252,9 @@ def _print(result: Grade, take: Take) -> None:
             f"{kind:6}  {score.found:5}  {score.right:5}  {score.true:2}  "
             f"{f'{score.wrong} of {score.called}':>20}  {numbers}"
         )
+    say("what it was, down, and what it was called, across:")
+    for line in crossed(ROWS, COLUMNS, result.matrix):
+        say(f"  {line}")
     for mark in result.marks:
         say(
             f"{mark.outcome:13} {plain(mark.marker)} {mark.kind} at "
