@@ -26,7 +26,8 @@ class Repaired:
         Mean distance over all frames that are wrong or were repaired; None where the data was
         given up or nobody knows the truth.
     best, best_mm
-        The method with the lowest error on the true span among those compared, and that error;
+        The method with the lowest error on the true span, with all that is wrong masked, among
+        those compared, and that error;
         empty and None where none was compared.
     recommended, recommended_mm
         The method that a comparison without the truth recommends, and its error.
