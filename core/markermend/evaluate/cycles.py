@@ -13,6 +13,10 @@ ALIKE = 0.9
 """Share of the highest correlation that a shorter lag must reach to be the cycle instead."""
 
 
+RISE = 0.1
+"""How much more alike the take must be a cycle later than at some time before."""
+
+
 @dataclass(frozen=True)
 class Cycle:
     """The period of a take.
@@ -53,11 +57,12 @@ def cycle_of(take: Take, seconds: float | None = None) -> Cycle:
             )
         return Cycle(seconds, _likeness(series, lag))
     low, high = (round(s * take.rate) for s in (SHORTEST_S, LONGEST_S))
-    lags = np.arange(low - 1, min(high + 2, take.n_frames // 2))
+    lags = np.arange(1, min(high + 2, take.n_frames // 2))
     correlation = np.array([_likeness(series, int(lag)) for lag in lags])
     inner = correlation[1:-1]
     peaks = 1 + np.flatnonzero((inner > correlation[:-2]) & (inner >= correlation[2:]))
-    peaks = peaks[correlation[peaks] > 0.0]
+    trough = np.minimum.accumulate(correlation)
+    peaks = peaks[(lags[peaks] >= low) & (correlation[peaks] > trough[peaks] + RISE)]
     if not len(peaks):
         raise BadInput(
             f"Nothing in the take repeats after {SHORTEST_S:g} to {LONGEST_S:g} s; say how long a "

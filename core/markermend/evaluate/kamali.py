@@ -9,7 +9,7 @@ import numpy as np
 from scipy.stats import wilcoxon
 
 from markermend.errors import BadInput
-from markermend.evaluate.cycles import Cycle, cycle_of
+from markermend.evaluate.cycles import cycle_of
 from markermend.evaluate.hiding import (
     Case,
     Gap,
@@ -116,12 +116,17 @@ def kamali(
         raise BadInput("Nothing to fill; give a take, a number of markers, a method and a mask.")
     if min(markers) < 4 or cycles < 1:
         raise BadInput("Give at least 4 markers and 1 cycle.")
+    if min(weights) < 0.0:
+        raise BadInput(f"A weight must be 0 or more; got {min(weights):g}.")
     for name in methods:
         REPAIRS.get(name)
     found = {name: cycle_of(take, cycle_s) for name, take in takes.items()}
     settings = [(name, n) for name in takes for n in markers]
     labels = {name: {n: spread_markers(takes[name], n) for n in markers} for name in takes}
-    held = {name: _held(name, takes[name], found[name], cycles) for name in takes}
+    held = {
+        name: min(cycles, int(take.duration_s / found[name].seconds))
+        for name, take in takes.items()
+    }
 
     def task(name: str, n: int, mask: int, runs: Sequence[tuple[str, float | None]]) -> _Task:
         rng = np.random.default_rng((seed, mask, n, *name.encode()))
@@ -182,16 +187,6 @@ def kamali(
         orderings=tuple(orderings),
         examples=tuple(examples),
     )
-
-
-def _held(name: str, take: Take, cycle: Cycle, cycles: int) -> int:
-    whole = min(cycles, int(take.n_frames / take.rate / cycle.seconds))
-    if whole < 2:
-        raise BadInput(
-            f"{name} lasts {take.duration_s:.2f} s, which is less than two cycles of "
-            f"{cycle.seconds:.2f} s; give a longer take."
-        )
-    return whole
 
 
 def draw_gaps(take: Take, cycle: float, rng: np.random.Generator) -> tuple[Gap, ...]:

@@ -128,7 +128,7 @@ def li(
         samples += _samples(d, cut[0], condition, some[0])
         choices = [one.choice for one in some if one.choice is not None]
         if choices:
-            weights.append(_weighting(d, condition, choices))
+            weights.append(weighting(d, condition, choices))
     solid = [cut for d, cut, _ in plan if d == 3]
     return Li(
         seed=seed,
@@ -245,7 +245,8 @@ def _numbers(values: FloatArray) -> tuple[tuple[float, ...], ...]:
     return tuple(tuple(round(x, 3) for x in row) for row in values.tolist())
 
 
-def _weighting(dims: int, condition: Condition, choices: Sequence[tuple[int, int]]) -> Weighting:
+def weighting(dims: int, condition: Condition, choices: Sequence[tuple[int, int]]) -> Weighting:
+    """Summarise the ranks and indices of weights chosen for the blackouts of one length."""
     ranks, indices = zip(*choices, strict=True)
     _, span = condition.gaps[0]
     around = Span(max(0, span.start - CONTEXT), span.stop + CONTEXT)
