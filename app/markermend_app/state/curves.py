@@ -94,7 +94,9 @@ def _scene(desk: Desk) -> _Scene | None:
 
 def _around(desk: Desk, scene: _Scene) -> Surroundings:
     assert desk.opened is not None
-    return surroundings(desk.opened, scene.marker, Span(scene.start, scene.stop), scene.span)
+    partner = scene.finding.partner if scene.finding else None
+    frames = Span(scene.start, scene.stop)
+    return surroundings(desk.opened, scene.marker, frames, scene.span, partner)
 
 
 def is_relative(desk: Desk) -> bool:

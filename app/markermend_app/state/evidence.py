@@ -45,11 +45,20 @@ class Surroundings:
         return replace(self, own=own)
 
 
-def surroundings(opened: Opened, marker: int, frames: Span, hidden: Span | None) -> Surroundings:
-    """Cut out a marker and its steadiest neighbours; what is hidden is not learnt from."""
+def surroundings(
+    opened: Opened, marker: int, frames: Span, hidden: Span | None, partner: str | None = None
+) -> Surroundings:
+    """Cut out a marker and its steadiest neighbours; what is hidden is not learnt from.
+
+    The partner of a swap is no witness, since it is where the marker should be.
+    """
     take = opened.take
     own = take.positions[frames.frames, marker]
-    near = list(opened.mesh.neighbours(marker, NEIGHBOURS))
+    # Mates on the same part of the body, and others only where these are too few for a frame.
+    mates, others = opened.mesh.siblings(marker), opened.mesh.neighbours(marker)
+    known = [m for m in dict.fromkeys((*mates, *others)) if take.labels[m] != partner]
+    n_mates = sum(m in set(mates) for m in known)
+    near = known[: min(NEIGHBOURS, max(take.n_dims, n_mates))]
     neighbours = take.positions[frames.frames][:, near]
     trusted = np.ones(len(own), bool)
     if hidden is not None:

@@ -107,7 +107,8 @@ class Queueing(Offering):
                 marker=found.marker,
                 zoom="span",
                 relative=None,
-                signal="residual",
+                # Exchanged labels show in the lengths to what is beside them.
+                signal="distance" if found.partner else "residual",
                 frame=judged.span.start + len(judged.span) // 2,
                 previews=(),
                 best="",

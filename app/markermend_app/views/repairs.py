@@ -3,14 +3,14 @@
 from html import escape
 from math import log10
 
-from markermend.model import Finding
+from markermend.model import Finding, short
 from markermend_app.state.desk import Desk
 from markermend_app.state.previews import Preview
 from markermend_app.style.kinds import glyph
 from markermend_app.views.markup import button, icon, kbd, number
 
 SHOWS = ("previews", "chosen", "best", "why", "selected", "comparing", "refused_shown")
-VERDICT_SHOWS = ("previews", "chosen", "selected", "review", "findings")
+VERDICT_SHOWS = ("previews", "chosen", "repair", "selected", "review", "findings")
 LOW_MM, HIGH_MM = 0.1, 300.0
 """Ends of the logarithmic scale of expected errors."""
 
@@ -142,9 +142,13 @@ def verdict(desk: Desk) -> str:
     word = "Accept"
     if decision and decision.verdict == "accepted":
         word = "Accepted: again with"
+    said = f"{word} {title}"
+    if finding is not None and desk.repair is not None and desk.repair.also:
+        names = " and ".join(short(m) for m in (finding.marker, *(m for m, _ in desk.repair.also)))
+        said = f"Swap {names} back"
     return (
         '<div class="verdicts">'
-        + button("accept", f"{word} {escape(title)}", classes="deed primary", disabled=not ready)
+        + button("accept", escape(said), classes="deed primary", disabled=not ready)
         + button("reject", "False alarm", classes="deed", disabled=finding is None)
         + button("leave", "Leave gap", classes="deed", disabled=finding is None)
         + button("defer", "Set aside", classes="deed", disabled=finding is None)

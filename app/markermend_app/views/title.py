@@ -110,6 +110,10 @@ def legend(desk: Desk) -> str:
         + "</span>"
     )  # fmt: skip
     others = f'<span class="small-out">{dashed}Other repairs</span>'
+    partner = desk.current.partner
+    if partner is not None:
+        other = stroke('stroke="var(--ink3)" stroke-width="1.2"')
+        others = f"<span>{other}{escape(short(partner))}</span>"
     return (
         f'<div class="legend"><span>{raw}Recorded</span>'
         f"<span>{line}<b>{escape(chosen)}</b></span>{others}"
