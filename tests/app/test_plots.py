@@ -31,7 +31,7 @@ from markermend.evaluate.prediction_tables import (
 from markermend.evaluate.reconstruction import Reconstruction, Reconstructions
 from markermend.evaluate.scores import CLASSES, rates
 from markermend_app.plots import experiments, mesh, prediction
-from markermend_app.plots.picture import html
+from markermend_app.plots.picture import html, log_ticks
 from markermend_app.style.kinds import KIND_STYLES
 
 from .conftest import Command, made_take
@@ -210,9 +210,9 @@ def test_masks_are_ratios_to_the_best_other_program():
 
 def test_masks_without_other_programs_show_the_errors_alone():
     row = replace(ROW, best="", best_mm=np.nan, ratio=np.nan)
-    assert [panel.title for panel in experiments.masks([row], [0]).panels] == [
-        "Mean and standard deviation of the error"
-    ]
+    picture = experiments.masks([row], [0])
+    assert "other program" not in picture.caption
+    assert [panel.title for panel in picture.panels] == ["Mean and standard deviation of the error"]
 
 
 def predicted() -> Predictors:
@@ -456,3 +456,15 @@ def test_without_the_extra_a_picture_says_what_to_install(
     done = call(take_path, "--json", tmp_path / "mesh.json")  # tables and JSON need no extra
     assert done.returncode == 0, done.stderr
     assert json.loads((tmp_path / "mesh.json").read_text())["experiment"] == "mesh"
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "names"),
+    [
+        (0.3, 40.0, ["0.5", "1", "2", "5", "10", "20"]),
+        (0.002, 90.0, ["0.01", "0.1", "1", "10"]),
+        (9.0, 40.0, ["10", "15", "20", "30", "40"]),
+    ],
+)
+def test_ticks_of_a_logarithmic_axis_are_round(low: float, high: float, names: list[str]):
+    assert [name for _, name in log_ticks(low, high)] == names

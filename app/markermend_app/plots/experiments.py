@@ -331,16 +331,19 @@ def masks(rows: Sequence[Row], seeds: Sequence[int]) -> Picture:
     """Draw the filling of known gaps: the ratio to the best other program, and the error."""
     n = " to ".join(str(n) for n in sorted({min(r.n for r in rows), max(r.n for r in rows)}))
     panels = []
+    caption = f"n = {n} gaps a row, seeds of the masks {', '.join(map(str, sorted(seeds)))}. "
     if any(np.isfinite(row.ratio) for row in rows):
+        caption += (
+            "The best other program of a row is the one with the lowest mean on the gaps that all "
+            "of them have filled; the ratio is of the means on the same gaps, below 1 where ours "
+            "is lower. "
+        )
         panels.append(Panel("Mean error, divided by that of the best other program", ratios(rows)))
     panels.append(Panel("Mean and standard deviation of the error", errors(rows)))
     return Picture(
         "Filling of gaps whose truth is known",
-        f"n = {n} gaps a row, seeds of "
-        f"the masks {', '.join(map(str, sorted(seeds)))}. The best other program of a row is the "
-        "one with the lowest mean on the gaps that all of them have filled; the ratio is of the "
-        "means on the same gaps, below 1 where ours is lower. In brackets: gaps left "
-        "unfilled. A whisker that reaches the frame goes on beyond it.",
+        f"{caption}In brackets: gaps left unfilled. A whisker that reaches the frame goes on "
+        "beyond it.",
         tuple((panel,) for panel in panels),
     )
 

@@ -4,6 +4,7 @@ The file holds the drawing program, the typeface and the data, and a policy that
 request, so that it can be sent, archived and opened without a network.
 """
 
+import re
 from base64 import b64encode
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -97,7 +98,7 @@ def _dress(plot: Any, _element: Any) -> None:
         bar.update(major_label_text_color=INK["ink2"])
     for legend in figure.legend:
         legend.update(label_text_font=FONT, label_text_font_size="11px", border_line_color=None)
-        legend.update(label_text_color=INK["ink2"], background_fill_alpha=0.8, margin=4)
+        legend.update(label_text_color=INK["ink2"], background_fill_alpha=0.8, spacing=14)
 
 
 def _ruled(lines: str, framed: bool) -> Callable[[Any, Any], None]:
@@ -117,9 +118,12 @@ def words(points: Iterable[tuple[float, float, str]], **options: Any) -> Any:
 
 
 def log_ticks(low: float, high: float) -> list[tuple[float, str]]:
-    """Give 1, 2 and 5 of every decade between two positive numbers; over three decades only 1."""
+    """Give round numbers between two positive ones: more of each decade the fewer there are."""
     decades = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
-    digits = (1, 2, 5) if high / low < 1e3 else (1,)
+    wide = high / low
+    digits: tuple[float, ...] = (1,) if wide >= 1e3 else (1, 2, 5)
+    if wide < 10:
+        digits = (1, 1.5, 2, 3, 4, 5, 7)
     ticks = [digit * 10.0**decade for decade in decades for digit in digits]
     return [(tick, f"{tick:g}") for tick in ticks if low <= tick <= high]
 
@@ -153,7 +157,7 @@ def html(picture: Picture) -> str:
             library,
             "</head><body>",
             f"<h1>{escape(picture.title)}</h1>",
-            f'<p class="caption">{escape(picture.caption)}</p>',
+            f'<p class="caption">{escape(_kept_together(picture.caption))}</p>',
             rows,
             script.strip(),
             "</body></html>\n",
@@ -167,6 +171,11 @@ def _row(panels: Sequence[Panel], places: Sequence[str]) -> str:
         for panel, place in zip(panels, places, strict=True)
     )
     return f'<div class="row">{"".join(figures)}</div>'
+
+
+def _kept_together(text: str) -> str:
+    """Put a space that does not break between a number and its unit."""
+    return re.sub(r"(\d) (?=(mm|Hz|%)\b|%)", "\\1\N{NO-BREAK SPACE}", text)
 
 
 def _style() -> str:

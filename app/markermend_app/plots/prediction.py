@@ -123,10 +123,14 @@ def lagged(table: Correlation, rate: float) -> Any:
 
 
 def _lag_curve(one: Lagged, rate: float, dash: str) -> Any:
-    label = one.first if one.relation == "itself" else f"{one.second} ({one.relation})"
+    own = one.relation == "itself"
+    label = one.first if own else f"{one.second} ({one.relation})"
     points = [(lag / rate, value) for lag, value in zip(one.lags, one.values, strict=True)]
     return hv.Curve(points, "lag", "correlation", label=label).opts(
-        color=INK["ink"], line_dash=dash, line_width=1.6, backend="bokeh"
+        color=INK["line2"] if own else INK["ink"],  # others lie on it and have to be seen
+        line_dash=dash,
+        line_width=4 if own else 1.6,
+        backend="bokeh",
     )
 
 
