@@ -30,7 +30,7 @@ from markermend.evaluate.prediction_tables import (
 )
 from markermend.evaluate.reconstruction import Reconstruction, Reconstructions
 from markermend.evaluate.scores import CLASSES, rates
-from markermend_app.plots import experiments, mesh, prediction
+from markermend_app.plots import experiments, masks, mesh, prediction
 from markermend_app.plots.picture import html, log_ticks
 from markermend_app.style.kinds import KIND_STYLES
 
@@ -190,7 +190,7 @@ ROW = Row("T 20 frames", "auto", 30, 0, 1.4, 1.3, 1.0, "LGRNN", 3.5, 0.4, 12.0)
 def test_masks_are_ratios_to_the_best_other_program():
     worse = replace(ROW, method="pchip", left=2, mean_mm=35.0, ratio=10.0)
     lonely = replace(ROW, cell="T 50 frames", best="", best_mm=np.nan, ratio=np.nan)
-    picture = experiments.masks([ROW, worse, lonely], [4, 3])
+    picture = masks.masks([ROW, worse, lonely], [4, 3])
     ratios, errors = (panel.element for panel in picture.panels)
     (points,) = parts(ratios, hv.Points)
     assert rows_of(points) == [(0.4, 0), (10.0, 1)]
@@ -210,7 +210,7 @@ def test_masks_are_ratios_to_the_best_other_program():
 
 def test_masks_without_other_programs_show_the_errors_alone():
     row = replace(ROW, best="", best_mm=np.nan, ratio=np.nan)
-    picture = experiments.masks([row], [0])
+    picture = masks.masks([row], [0])
     assert "other program" not in picture.caption
     assert [panel.title for panel in picture.panels] == ["Mean and standard deviation of the error"]
 

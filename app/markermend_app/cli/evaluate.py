@@ -258,10 +258,10 @@ def _masks(options: argparse.Namespace) -> None:
         },
     )
     if options.picture:
-        from markermend_app.plots import experiments
+        from markermend_app.plots import masks
 
         seeds = sorted({error.seed for error in errors})
-        write_picture(options.picture, experiments.masks(rows, seeds))
+        write_picture(options.picture, masks.masks(rows, seeds))
 
 
 RUNS: dict[str, Callable[[argparse.Namespace], None]] = {
