@@ -41,7 +41,7 @@ browser: $(STAMP)  ## The page in a real browser; gets a Chromium if none is the
 	$(THREADS) $(BIN)/python -m pytest tests/browser
 
 bench: $(STAMP)  ## Speed and memory, as ratios
-	$(THREADS) $(BIN)/python -m tests.bench
+	$(THREADS) $(BIN)/python -m tests.bench.desk --json bench-desk.json
 
 clean:  ## Remove what the commands above made
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis dist

@@ -114,19 +114,22 @@ class Bench:
 def on_a_real_take(bench: Bench, events: int) -> dict[str, dict[str, float]]:
     """Decide, preview, compare, slide and play."""
     page = bench.page
-    comparisons = [bench.timed("j", "compared") for _ in range(3)]
     memory = [bench.server_mb()]
     keys = [bench.timed("f", "next") for _ in range(events)]
     memory.append(bench.server_mb())
+    sys.stderr.write(f"keys {summary(keys)} server {memory} MB\n")
     previews = [bench.timed("j", "preview") for _ in range(events)]
     last = int(page.evaluate("window.markermendScene.frame"))
     slides = [float(page.evaluate(f"bench.slid({last + 3 + i % 40})")) for i in range(events)]
+    sys.stderr.write(f"previews {summary(previews)} slider {summary(slides)}\n")
     page.keyboard.press(" ")
     page.wait_for_timeout(1000)
     heap = [bench.browser_mb()]
     plays = [float(page.evaluate("bench.played(1000)")) for _ in range(max(4, events // 5))]
     heap.append(bench.browser_mb())
     page.keyboard.press(" ")
+    sys.stderr.write(f"play {summary(plays)} heap {heap} MB\n")
+    comparisons = [bench.timed("j", "compared") for _ in range(3)]
     return {
         "key_to_next_ms": summary(keys),
         "first_preview_ms": summary(previews),
