@@ -29,8 +29,10 @@ def why(take: Take, mesh: Body, finding: Finding) -> str:
         return f"Not seen for {seconds:.2f} s; {rest}."
     if finding.partner is not None:
         return f"Changes places with {short(finding.partner)} for {seconds:.2f} s and back."
+    n = len(finding.span)
+    frames = f"{n} frames" if n > 1 else "one frame"
     sentence = {
-        "peak": f"Leaves its path by {size or 'a spike'} for {len(finding.span)} frames and returns",
+        "peak": f"Leaves its path by {size or 'a spike'} for {frames} and returns",
         "noise": f"Scatters {size or 'widely'} around its path for {seconds:.2f} s",
         "step": f"Jumps {size or 'away'} within one frame and back {seconds:.2f} s later",
         "slow": f"Drifts {size or 'away'} from where it is expected and back in {seconds:.2f} s",
