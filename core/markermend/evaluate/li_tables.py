@@ -114,7 +114,17 @@ class Timing:
 
 @dataclass(frozen=True)
 class Li:
-    """The whole experiment."""
+    """The whole experiment.
+
+    Attributes
+    ----------
+    starts
+        The take and the first frame of every piece.
+    labels
+        The markers, in three dimensions if those were asked for first.
+    projected
+        What the two dimensions are; empty without them.
+    """
 
     seed: int
     rate: float
@@ -138,6 +148,10 @@ class Li:
         for row in self.rows:
             groups.setdefault((row.figure, row.dims, row.given), []).append(row)
         shown = [self._errors(*key, rows) for key, rows in groups.items()]
+        ratios = self._ratios()
+        if ratios:
+            columns = ("", "blackout", "best rank", "its mean", "auto", "ratio", "spline", "ratio")
+            shown.append(("AUTO beside the best rank of Eq. 16 and the spline", columns, ratios))
         if self.weights:
             shown.append(self._weights())
         if self.times:
@@ -155,7 +169,7 @@ class Li:
         lines: dict[str, dict[str, Row]] = {}
         for row in rows:
             lines.setdefault(row.method, {})[row.setting] = row
-        unit = "mm" if dims == 3 else f"px, {self.projected}"
+        unit = "mm" if dims == 3 else "px of a simulated camera"
         title = (
             f"{figure}, {dims}D, given {given}: mean error ± sd over {self.pieces} pieces, "
             f"(RMSE), in {unit}; *: not all gaps filled"
@@ -168,6 +182,33 @@ class Li:
                 for method, found in lines.items()
             ],
         )
+
+    def _ratios(self) -> list[tuple[str, ...]]:
+        """Compare over all gaps of a length; the rank is chosen with the errors in sight."""
+        groups: dict[tuple[int, str], dict[str, float]] = {}
+        for row in self.rows:
+            if row.figure.startswith("Blackouts") and row.mean is not None:
+                groups.setdefault((row.dims, row.setting), {})[row.method] = row.mean
+        shown: list[tuple[str, ...]] = []
+        for (dims, setting), means in groups.items():
+            ranks = [name for name in means if " rank " in name]
+            if not ranks or not {"auto", "spline"} <= means.keys():
+                continue
+            best = min(ranks, key=lambda name: means[name])
+            auto = means["auto"]
+            shown.append(
+                (
+                    f"{dims}D",
+                    setting,
+                    best.split()[-1],
+                    f"{means[best]:.2f}",
+                    f"{auto:.2f}",
+                    f"{auto / means[best]:.2f}",
+                    f"{means['spline']:.2f}",
+                    f"{auto / means['spline']:.2f}",
+                )
+            )
+        return shown
 
     def _weights(self) -> Table:
         rows: list[tuple[str, ...]] = []

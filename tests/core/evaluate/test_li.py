@@ -181,3 +181,12 @@ def test_refusals(walker: mm.Take):
         run(dims=(4,))
     with pytest.raises(BadInput, match="one rate"):
         run(training=[dataclasses.replace(moving(), rate=120.0)])
+
+
+def test_auto_stands_beside_the_best_rank(result: Li):
+    row = dataclasses.replace(result.rows[0], figure="Blackouts", setting="10 %")
+    means = {"li_eq16 rank 2": 8.0, "li_eq16 rank 4": 6.0, "auto": 3.0, "spline": 4.0}
+    rows = tuple(dataclasses.replace(row, method=m, mean=value) for m, value in means.items())
+    tables = {title: lines for title, _, lines in dataclasses.replace(result, rows=rows).tables()}
+    told = next(lines for title, lines in tables.items() if title.startswith("AUTO"))
+    assert told == [("3D", "10 %", "4", "6.00", "3.00", "0.50", "4.00", "0.75")]

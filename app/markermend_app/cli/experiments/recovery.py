@@ -92,6 +92,8 @@ def run_li(options: argparse.Namespace) -> None:
         progress=bar("Filling"),
     )
     _show(result.tables())
+    if result.projected:
+        say(f"Two dimensions: {result.projected}.")
     write_json(options.json, result.to_json())
 
 
