@@ -18,6 +18,8 @@ from markermend_app.state.workspace import Opened
 
 REFRESH_S = 0.3
 """How often the table of repairs is drawn anew while it fills."""
+REST_S = 0.25
+"""An operator who goes on sooner than this is not kept waiting by comparisons."""
 KEPT = 24
 """Findings whose comparison is remembered."""
 Key = tuple[str, Span, str, tuple[tuple[str, Span], ...]]
@@ -56,6 +58,7 @@ class Offering(Looking):
         """Begin to fill the table for the finding at hand; what is known is there at once."""
         opened, current = self.opened, self.current
         self.jobs.cancel("compare")
+        self.jobs.cancel("prepare")
         if opened is None or current is None:
             return
         judged, masked = self.judged(current), self._masked(current.id)
@@ -89,6 +92,9 @@ class Offering(Looking):
         key = self._key(judged, masked)
 
         def work(ticket: Ticket) -> Offer | None:
+            time.sleep(REST_S)
+            if not ticket.valid:
+                return None
             shown, offer = time.monotonic(), None
             for offer in previews.compared(opened.take, judged, masked, rows, names):
                 if not ticket.valid:

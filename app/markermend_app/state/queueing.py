@@ -1,5 +1,6 @@
 """The queue: which findings are listed, in which order, and how far the operator has come."""
 
+import time
 from collections.abc import Mapping
 from itertools import pairwise
 from statistics import median
@@ -12,7 +13,7 @@ from markermend.review.queue import damage, worst_first
 from markermend.review.triage import NOTHING_LEARNT, Triage
 from markermend_app.state import previews
 from markermend_app.state.jobs import Ticket
-from markermend_app.state.offering import Offering
+from markermend_app.state.offering import REST_S, Offering
 
 PAUSE_S = 120.0
 """A decision that took longer was interrupted and does not count for the pace."""
@@ -98,6 +99,7 @@ class Queueing(Offering):
         if found is None or self.opened is None:
             self.jobs.cancel("preview")
             self.jobs.cancel("compare")
+            self.jobs.cancel("prepare")
             self.param.update(selected="", previews=(), chosen="", best="", why="", repair=None)
             return
         judged = self.judged(found)
@@ -180,6 +182,9 @@ class Queueing(Offering):
 
         def work(ticket: Ticket) -> None:
             for key, judged, masked in todo:
+                time.sleep(REST_S)
+                if not ticket.valid:
+                    return
                 rows = previews.at_hand(opened.take, judged, masked, self.workspace.methods)
                 names = previews.quick(rows)
                 for offer in previews.compared(opened.take, judged, masked, rows, names):
