@@ -143,6 +143,17 @@ class DeskPage:
         )
         return float(found[0]), float(found[1])
 
+    def lane_corner(self, name: str) -> tuple[float, float]:
+        """Give a place in the margin of a lane, where nothing but its ground is drawn."""
+        found = self.page.evaluate(
+            f"""(name) => {{
+              const box = ({VIEW})(name)[1].el.getBoundingClientRect();
+              return [box.left + 4, box.top + 4];
+            }}""",
+            name,
+        )
+        return float(found[0]), float(found[1])
+
     def colours(self, at: tuple[float, float], width: int = 3, height: int = 3) -> set[Any]:
         """Give the colours on the screen around a place."""
         x, y = at

@@ -62,7 +62,7 @@ def test_the_main_job_on_a_raw_take(raw: Path, start: Any, open_page: Any, tmp_p
     # Walk to an inner gap by keys.
     def inner(id_: str) -> bool:
         f = findings[id_]
-        return f.kind == "gap" and 0 < f.span.start and f.span.stop < take.n_frames
+        return f.kind == "gap" and f.span.start > 0 and f.span.stop < take.n_frames
 
     walked = 0
     while not (inner(desk.selected) and len(findings[desk.selected].span) > 5):
@@ -181,8 +181,8 @@ def test_dark_and_help(raw: Path, start: Any, open_page: Any):
     page = open_page(start(raw).url, color_scheme="dark")
     desk = DeskPage(page)
     until(lambda: page.evaluate("document.documentElement.dataset.theme") == "dark")
-    panel = rgb(TOKENS["dark"]["panel"])
-    until(lambda: near(desk.colours(desk.pixel_of("lane-x", -1e9), 1, 1), panel, 8) or True)
+    corner = desk.lane_corner("lane-x")
+    until(lambda: near(desk.colours(corner, 3, 3), rgb(TOKENS["dark"]["panel"]), 12))
     desk.press("?")
     page.wait_for_selector(".dialog .keys")
     before = desk.rows(settled=True)
