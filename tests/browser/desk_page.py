@@ -65,7 +65,7 @@ class DeskPage:
         """Press one key."""
         self.page.keyboard.press(key)
 
-    def wait_for(self, what: str, selector: str) -> None:
+    def wait_for(self, what: str, selector: str, timeout_ms: float = OPENS_MS) -> None:
         """Wait until the element of a selector says `what`."""
         self.page.wait_for_function(
             """([selector, what]) => {
@@ -80,6 +80,7 @@ class DeskPage:
               return find(document)?.textContent.includes(what);
             }""",
             arg=[selector, what],
+            timeout=timeout_ms,
         )
 
     @property

@@ -20,9 +20,7 @@ def main() -> int:
         browser = playwright.chromium.launch(executable_path=path, args=[*FLAGS, "--no-sandbox"])
         server = Server(demonstration(), store=Path(folder) / "store.sqlite")
         for theme in ("light", "dark"):
-            page = browser.new_page(
-                viewport={"width": 1600, "height": 1000}, color_scheme=theme
-            )
+            page = browser.new_page(viewport={"width": 1600, "height": 1000}, color_scheme=theme)
             page.goto(server.url)
             desk = DeskPage(page)
             row = page.locator('.row:has-text("LWRA")').first
