@@ -5,10 +5,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from playwright.sync_api import sync_playwright
-
-from markermend.assets import demonstration
 from tests.browser.conftest import FLAGS, find_chromium
 from tests.browser.desk_page import DeskPage, Server, until
+
+from markermend.assets import demonstration
 
 PICTURES = Path(__file__).resolve().parents[2] / "assets" / "pictures"
 
