@@ -225,7 +225,7 @@ class Deciding(Queueing):
 
         def work(ticket: Ticket) -> None:
             for finding, wish in zip(found, wishes, strict=True):
-                if not ticket.valid:
+                if not ticket.valid():
                     return
                 error = _expected(opened.take, wish, masked, method)
                 ticket.tell(lambda f=finding, e=error: self._expects(f.id, e))  # type: ignore[misc]

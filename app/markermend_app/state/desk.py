@@ -129,7 +129,7 @@ class Desk(Deciding):
 
         def work(ticket: Ticket) -> exporting.Plan | None:
             def computed(n: int) -> None:
-                if not ticket.valid:
+                if not ticket.valid():
                     raise Cancelled
                 doing = f"Working out what will change: {n} of {n_wishes}"
                 ticket.tell(lambda: self.param.update(busy=doing))

@@ -43,7 +43,7 @@ class Jobs:
     def _do(
         self, ticket: "Ticket", work: Callable[["Ticket"], T], done: Callable[[T], None]
     ) -> None:
-        if not ticket.valid:
+        if not ticket.valid():
             return
         try:
             result = work(ticket)
@@ -79,11 +79,10 @@ class Ticket:
     def __init__(self, jobs: Jobs, topic: str) -> None:
         self._jobs, self.topic = jobs, topic
 
-    @property
     def valid(self) -> bool:
         """Whether nobody has asked for newer work on this topic."""
         return self._jobs._current.get(self.topic) is self  # noqa: SLF001  one small machine
 
     def tell(self, report: Callable[[], None]) -> None:
         """Report on the page's thread, if still valid by then."""
-        self._jobs._schedule(lambda: report() if self.valid else None)  # noqa: SLF001
+        self._jobs._schedule(lambda: report() if self.valid() else None)  # noqa: SLF001

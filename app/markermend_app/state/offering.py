@@ -93,11 +93,11 @@ class Offering(Looking):
 
         def work(ticket: Ticket) -> Offer | None:
             time.sleep(REST_S)
-            if not ticket.valid:
+            if not ticket.valid():
                 return None
             shown, offer = time.monotonic(), None
             for offer in previews.compared(opened.take, judged, masked, rows, names):
-                if not ticket.valid:
+                if not ticket.valid():
                     return None
                 if time.monotonic() - shown > REFRESH_S and not offer.complete:
                     shown = time.monotonic()
@@ -166,7 +166,7 @@ class Offering(Looking):
 
         def work(ticket: Ticket) -> None:
             for wish in todo:
-                if not ticket.valid:
+                if not ticket.valid():
                     return
                 try:
                     done = repair(

@@ -183,12 +183,12 @@ class Queueing(Offering):
         def work(ticket: Ticket) -> None:
             for key, judged, masked in todo:
                 time.sleep(REST_S)
-                if not ticket.valid:
+                if not ticket.valid():
                     return
                 rows = previews.at_hand(opened.take, judged, masked, self.workspace.methods)
                 names = previews.quick(rows)
                 for offer in previews.compared(opened.take, judged, masked, rows, names):
-                    if not ticket.valid:
+                    if not ticket.valid():
                         return
                     if offer.complete:
                         ticket.tell(lambda k=key, o=offer: self._remember(k, o))  # type: ignore[misc]
