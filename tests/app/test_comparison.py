@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from markermend.model import Finding, Span
+from markermend.repairing.checks import Checks
 from markermend.repairing.compare import compare
 from markermend.review import AddFinding
 from markermend_app.state import curves, previews
@@ -129,3 +130,13 @@ def test_accepted_repairs_are_shown_and_undone(make_desk: MakeDesk):
     assert [d.span for d in again.mended.values()] == [gap.span], "also on another page"
     perform(again, "undo")
     assert again.mended == {}
+
+
+def test_what_the_detector_did_not_look_at_is_never_called_clean():
+    def checks(*found: Finding, detected: bool) -> Checks:
+        return Checks(0.1, 0.1, 0.1, 0.1, 0.5, 0.5, found, detected)
+
+    peak = Finding("A", Span(3, 4), "peak")
+    assert table.artefacts(checks(detected=False)) == "–"
+    assert table.artefacts(checks(detected=True)) == "0"
+    assert ">1<" in table.artefacts(checks(peak, detected=True))

@@ -169,7 +169,6 @@ INTENTIONS: Mapping[str, Intention] = {
     "play": _toggle("playing"),
     "frame_back": lambda desk, arg, fields: desk.step_frame(-1),
     "frame_on": lambda desk, arg, fields: desk.step_frame(1),
-    "seek": lambda desk, arg, fields: desk.seek(float(arg)),
     "speed": _speed,
     "loop": _toggle("looping"),
     "zoom": lambda desk, arg, fields: desk.zoom_next(),

@@ -3,7 +3,8 @@
 from html import escape
 from math import log10
 
-from markermend.model import Finding, short
+from markermend.model import short
+from markermend.repairing.checks import Checks
 from markermend_app.state.desk import Desk
 from markermend_app.state.previews import Preview
 from markermend_app.style.kinds import glyph
@@ -66,13 +67,11 @@ def _row(preview: Preview, desk: Desk) -> str:
     cells = (
         number(trust.expected_mm) if trust else waits,
         _scale(trust.expected_mm, trust.nine_in_ten_mm) if trust else "",
-        number(max(checks.step_mm, checks.slope_mm)) if checks else waits,
+        number(checks.step_mm) if checks else waits,
         number(checks.distance_mm) if checks else waits,
-        _artefacts(checks.artefacts) if checks else waits,
+        artefacts(checks) if checks else waits,
         "–" if leaves else "&lt;0.01" if preview.seconds < 0.01 else f"{preview.seconds:.2f}",
     )
-    if not trust and leaves:
-        cells = ("–",) * 1 + ("",) + ("–",) * 4
     escaped = [cell if cell.startswith(("<", "&")) else escape(cell) for cell in cells]
     values = "".join(f"<span>{cell}</span>" for cell in escaped)
     return (
@@ -97,6 +96,8 @@ def _tip(preview: Preview) -> str:
             f"Edges: {number(c.step_mm)} mm step and {number(c.slope_mm)} mm a frame in slope; "
             f"usual {number(c.usual_step_mm)}."
         )
+        if not c.detected:
+            said.append("Too far off to look for new artefacts.")
     return " ".join(said)
 
 
@@ -117,7 +118,11 @@ def _scale(mean: float, most: float) -> str:
     )
 
 
-def _artefacts(found: tuple[Finding, ...]) -> str:
+def artefacts(checks: Checks) -> str:
+    """Give how many artefacts the repair brings and their kinds; a dash where nobody looked."""
+    found = checks.artefacts
+    if not checks.detected:
+        return "–"
     if not found:
         return "0"
     kinds = "".join(glyph(kind, 12) for kind in dict.fromkeys(f.kind for f in found))
