@@ -6,6 +6,7 @@ and `write` give takes back as files.
 
 from pathlib import Path
 
+from markermend.errors import UnreadableTake
 from markermend.io.contents import Contents
 from markermend.io.exporting import Written, export, write
 from markermend.io.format import Format, Reading, all_formats, format_of
@@ -40,7 +41,13 @@ def open_contents(path: str | Path, *, ignore_residuals: bool = False) -> Conten
         If the file is in no known format, is broken beyond reading, or is beyond a limit.
     """
     path = Path(path)
-    return format_of(path).open(path, Reading(ignore_residuals))
+    try:
+        return format_of(path).open(path, Reading(ignore_residuals))
+    except UnreadableTake as refusal:
+        if path.name in str(refusal):
+            raise
+        # Among many files of a folder, the sentence has to say which one it is about.
+        raise UnreadableTake(f"{path.name}: {refusal}") from None
 
 
 def read(

@@ -389,3 +389,13 @@ def test_short_header_lines_of_motive_are_refused(saved: Saved) -> None:
     )
     with pytest.raises(UnreadableTake, match="fewer cells"):
         open_contents(saved("a.csv", text))
+
+
+@pytest.mark.parametrize(
+    ("name", "text"), [("bad.csv", "a,b\n1,2\n"), ("bad.trc", "PathFileType\t4\n")]
+)
+def test_a_refusal_says_which_file_it_is_about(tmp_path: Path, name: str, text: str):
+    path = tmp_path / name
+    path.write_text(text)
+    with pytest.raises(UnreadableTake, match=rf"^{name}: "):
+        read(path)
