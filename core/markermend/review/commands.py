@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 
 from markermend.errors import BadInput, UnknownName
 from markermend.model import KINDS, Finding, Kind, Span
+from markermend.review.records import decision_from_json, decision_to_json
 from markermend.review.state import Decision, Judgement, Review, Verdict, frozen_parameters, plain
 
 
@@ -197,6 +198,43 @@ class Annotate(Command):
 
 
 @dataclass(frozen=True)
+class Adopt(Command):
+    """Take over what somebody else decided on each of the findings, whole.
+
+    Attributes
+    ----------
+    decisions
+        One for each finding.
+    added
+        For each finding whether that person had put it there.
+    """
+
+    name, verb = "adopt", "Take over the decision on"
+    decisions: tuple[Decision, ...]
+    added: tuple[bool, ...]
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not len(self.findings) == len(self.decisions) == len(self.added):
+            raise BadInput(
+                f"Taking over needs one decision for each of the {len(self.findings)} findings; "
+                f"got {len(self.decisions)}."
+            )
+
+    def apply(self, review: Review) -> Review:
+        """Set the decisions; who is known as added stays so."""
+        return review.with_judgements(
+            *(
+                replace(standing, decision=decision, added=standing.added or added)
+                for finding, decision, added in zip(
+                    self.findings, self.decisions, self.added, strict=True
+                )
+                for standing in [_standing(review, finding)]
+            )
+        )
+
+
+@dataclass(frozen=True)
 class AddFinding(Command):
     """Add findings that the detector missed."""
 
@@ -296,6 +334,7 @@ COMMANDS: Mapping[str, type[Command]] = {
         Reclassify,
         MoveEdges,
         Annotate,
+        Adopt,
         AddFinding,
         RemoveAdded,
         Split,
@@ -324,10 +363,13 @@ _WRITE: Mapping[str, Callable[[Any], Any]] = {
     "findings": lambda findings: [finding.to_json() for finding in findings],
     "span": lambda span: [span.start, span.stop],
     "parameters": dict,
+    "decisions": lambda decisions: [decision_to_json(decision) for decision in decisions],
 }
 _READ: Mapping[str, Callable[[Any], Any]] = {
     "findings": lambda records: tuple(Finding.from_json(record) for record in records),
     "span": lambda pair: Span(*pair),
+    "decisions": lambda given: tuple(decision_from_json(one, "A journal") for one in given),
+    "added": tuple,
 }
 
 

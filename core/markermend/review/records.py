@@ -15,19 +15,23 @@ MAX_PARAMETERS = 100
 
 def judgement_to_json(judgement: Judgement) -> dict[str, Any]:
     """Give a judgement as a JSON object."""
-    decision = judgement.decision
     return {
         **plain(judgement.finding).to_json(),
-        "decision": {
-            "verdict": decision.verdict,
-            "kind": decision.kind,
-            "span": None if decision.span is None else [decision.span.start, decision.span.stop],
-            "method": decision.method,
-            "parameters": dict(decision.parameters),
-            "note": decision.note,
-        },
+        "decision": decision_to_json(judgement.decision),
         "added": judgement.added,
         "replaced_by": list(judgement.replaced_by),
+    }
+
+
+def decision_to_json(decision: Decision) -> dict[str, Any]:
+    """Give a decision as a JSON object."""
+    return {
+        "verdict": decision.verdict,
+        "kind": decision.kind,
+        "span": None if decision.span is None else [decision.span.start, decision.span.stop],
+        "method": decision.method,
+        "parameters": dict(decision.parameters),
+        "note": decision.note,
     }
 
 
@@ -47,25 +51,9 @@ def judgement_from_json(given: Any, where: str) -> Judgement:
         If a field is missing, has the wrong type, or lies outside what is possible.
     """
     record = Record(given, where)
-    said = Record(record.value("decision", {}), f"The decision of {where}")
     try:
         finding = _finding(record)
-        edges = said.value("span", None)
-        parameters = said.value("parameters", {})
-        if (
-            not isinstance(parameters, dict)
-            or len(parameters) > MAX_PARAMETERS
-            or not all(isinstance(v, str | bool | int | float) for v in parameters.values())
-        ):
-            raise said.wrong("parameters", "an object of texts and numbers by name", parameters)
-        decision = Decision(
-            verdict=said.one_of("verdict", (*VERDICTS, None), None),
-            kind=said.one_of("kind", (*KINDS, None), None),
-            span=None if edges is None else _span(said, edges),
-            method=said.text("method", ""),
-            parameters=parameters,
-            note=said.text("note", ""),
-        )
+        decision = decision_from_json(record.value("decision", {}), where)
     except BadDecisions:
         raise
     except BadInput as error:
@@ -80,6 +68,35 @@ def judgement_from_json(given: Any, where: str) -> Judgement:
         decision=decision,
         added=record.flag("added", False),
         replaced_by=record.texts("replaced_by", ()),
+    )
+
+
+def decision_from_json(given: Any, where: str) -> Decision:
+    """Read a decision.
+
+    Raises
+    ------
+    BadDecisions
+        As `judgement_from_json`.
+    BadInput
+        If a parameter is none that could be stored.
+    """
+    said = Record(given, f"The decision of {where}")
+    edges = said.value("span", None)
+    parameters = said.value("parameters", {})
+    if (
+        not isinstance(parameters, dict)
+        or len(parameters) > MAX_PARAMETERS
+        or not all(isinstance(v, str | bool | int | float) for v in parameters.values())
+    ):
+        raise said.wrong("parameters", "an object of texts and numbers by name", parameters)
+    return Decision(
+        verdict=said.one_of("verdict", (*VERDICTS, None), None),
+        kind=said.one_of("kind", (*KINDS, None), None),
+        span=None if edges is None else _span(said, edges),
+        method=said.text("method", ""),
+        parameters=parameters,
+        note=said.text("note", ""),
     )
 
 

@@ -12,6 +12,7 @@ from markermend.review import (
     COMMANDS,
     Accept,
     AddFinding,
+    Adopt,
     Annotate,
     Choose,
     Command,
@@ -46,6 +47,11 @@ EVERY = (
     RemoveAdded((SWAP,)),
     Split((GAP,), 50),
     Merge((PEAK, GAP)),
+    Adopt(
+        (PEAK, SWAP),
+        (Decision("accepted", "noise", Span(1, 4), "rigid", {"n": 3}, "as A"), Decision()),
+        (False, True),
+    ),
 )
 
 
@@ -279,3 +285,13 @@ def test_clashes_are_accepted_repairs_that_write_the_same_samples() -> None:
 )
 def test_a_command_says_in_a_line_what_it_does(command: Command, line: str) -> None:
     assert command.describe() == line
+
+
+def test_what_somebody_else_decided_is_taken_over_whole() -> None:
+    decision = Decision("accepted", "noise", Span(118, 125), "savgol", {"window": 9}, "agreed")
+    before = applied(Annotate((PEAK,), "mine"), Reject((PEAK,)))
+    after = Adopt((PEAK, SWAP), (decision, Decision("rejected")), (False, True)).apply(before)
+    assert after.judgements[PEAK.id].decision == decision
+    assert (after.judgements[PEAK.id].added, after.judgements[SWAP.id].added) == (False, True)
+    with pytest.raises(BadInput, match="one decision for each of the 2 findings; got 1"):
+        Adopt((PEAK, SWAP), (decision,), (False, True))
