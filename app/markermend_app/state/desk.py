@@ -12,6 +12,7 @@ from pathlib import Path
 import param
 
 from markermend.errors import Lacking, MarkerMendError
+from markermend.review.session import ReviewSession
 from markermend.review.triage import Triage
 from markermend_app.state import exporting
 from markermend_app.state.deciding import Deciding
@@ -79,7 +80,7 @@ class Desk(Deciding):
             self.param.update(busy="", asked=result, dialog="ask")
             return
         opened, triage = result
-        self.session, told = self.workspace.begin(opened)
+        self.session, told = self._begin(opened)
         with param.parameterized.batch_call_watchers(self):
             self.select(None)
             self.param.update(
@@ -100,6 +101,10 @@ class Desk(Deciding):
             if not self.selected and len(opened.take.measured):
                 self.marker = opened.take.labels[int(opened.take.measured[0])]
                 self._fit_window()
+
+    def _begin(self, opened: Opened) -> tuple[ReviewSession, tuple[str, ...]]:
+        """Give the review that is worked on, and what the operator should know of it."""
+        return self.workspace.begin(opened)
 
     def show_takes(self) -> None:
         """Open the list of takes: those given, those in the folder, those opened before."""
