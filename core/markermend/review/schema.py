@@ -19,7 +19,7 @@ from sqlalchemy import (
     UniqueConstraint,
 )
 
-REVISIONS = ("0001", "0002")
+REVISIONS = ("0001", "0002", "0003")
 """All schemas so far, oldest first; kept here since loading the migrations takes half a second."""
 
 VERSION_TABLE = "markermend_schema"
@@ -96,4 +96,36 @@ grades = Table(
     Column("trainee", Text, nullable=False, index=True),
     Column("at", Utc, nullable=False),
     Column("result", JSON, nullable=False),
+)
+
+scans = Table(
+    "scans",
+    metadata,
+    Column("take", String(64), primary_key=True),
+    Column("settings", String(64), primary_key=True),
+    Column("at", Utc, nullable=False),
+    Column("summary", JSON, nullable=False),
+    Column("findings", JSON, nullable=False),
+    Column("repaired", JSON(none_as_null=True)),
+)
+
+archives = Table(
+    "archives",
+    metadata,
+    Column("id", Integer, primary_key=True),
+    Column("folder", Text, nullable=False),
+    Column("settings", String(64), nullable=False),
+    Column("content", JSON, nullable=False),
+    Column("begun", Utc, nullable=False),
+    UniqueConstraint("folder", "settings", name="one_archive_per_settings"),
+)
+
+archive_takes = Table(
+    "archive_takes",
+    metadata,
+    Column("archive", Integer, ForeignKey("archives.id"), primary_key=True),
+    Column("name", Text, primary_key=True),
+    Column("take", String(64)),
+    Column("status", String(16), nullable=False),
+    Column("reason", Text, nullable=False),
 )

@@ -8,15 +8,15 @@ a backup, give its file as the store.
 import getpass
 import os
 import sqlite3
-from collections.abc import Mapping, Sequence
-from contextlib import closing
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, Self
 
-from sqlalchemy import Row, Select, Table, insert, select, update
+from sqlalchemy import Connection, Row, Select, Table, insert, select, update
 from sqlalchemy.exc import IntegrityError
 
 from markermend.errors import Conflict, StoreError
@@ -304,6 +304,12 @@ class Store:
     def rows(self, query: Select[Any]) -> list[Row[Any]]:
         """Answer a query; for rooms that keep tables of their own here (`schema`)."""
         return self._rows(query)
+
+    @contextmanager
+    def transaction(self) -> Iterator[Connection]:
+        """Write several rows as one; for rooms that keep tables of their own here (`schema`)."""
+        with spoken(self.where), writing(self._engine) as connection:
+            yield connection
 
     def add_row(self, table: Table, **values: Any) -> int:
         """Insert one row into a table with an ``id``, and give that id."""
