@@ -1,19 +1,22 @@
 """What several commands share."""
 
 import argparse
-import json
 import math
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any
 
 from tqdm import tqdm
 
 from markermend import io
 from markermend.errors import BadInput
+from markermend.io.jsontext import json_text
 from markermend.model import KINDS, Take
 from markermend_app.cli.terminal import say, sentence
+
+__all__ = [
+    "hertz", "json_text", "kinds", "lacking", "progress", "read", "take_argument", "warn", "whole",
+]  # fmt: skip
 
 
 def take_argument(parser: argparse.ArgumentParser) -> None:
@@ -88,22 +91,6 @@ def kinds(text: str) -> tuple[str, ...]:
             f"--kinds takes some of {', '.join(KINDS)} with commas between; got {text!r}."
         )
     return wanted
-
-
-def json_text(record: Mapping[str, Any]) -> str:
-    """Give strict JSON in ASCII: no NaN, no infinity, no half of a character."""
-    return f"{json.dumps(_encodable(record), indent=1, allow_nan=False)}\n"
-
-
-def _encodable(value: Any) -> Any:
-    """Replace what no UTF-8 can hold: bytes of a file's name that are no text."""
-    if isinstance(value, str):
-        return value.encode("utf-8", "replace").decode("utf-8")
-    if isinstance(value, Mapping):
-        return {key: _encodable(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_encodable(one) for one in value]
-    return value
 
 
 def progress(total: int, what: str) -> Callable[[int], None]:

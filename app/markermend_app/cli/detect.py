@@ -1,17 +1,11 @@
 """``markermend detect TAKE``: list gaps and artefacts."""
 
 import argparse
-from typing import Any
 
 from markermend import detection
-from markermend.model import Finding
+from markermend.detection.record import detection_record
 from markermend_app.cli.common import json_text, kinds, read, take_argument
 from markermend_app.cli.terminal import plain, put, say
-
-FIELDS = ("id", "marker", "start", "stop", "kind", "score", "axes", "amplitude")
-"""What stands of each finding in the JSON; other programs rely on it."""
-WHERE_KNOWN = ("partner", "group")
-"""What stands there too where it is known: the other marker of a swap, findings that combine."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -34,15 +28,7 @@ def run(options: argparse.Namespace) -> None:
     take = read(options.take, options)
     found = detection.detect(take, options.detector, kinds=wanted)
     if options.json:
-        record = {
-            "version": 1,
-            "take": options.take.name,
-            "rate": take.rate,
-            "n_frames": take.n_frames,
-            "findings": [_record(finding) for finding in found],
-            "warnings": list(take.warnings),
-        }
-        put(json_text(record))
+        put(json_text(detection_record(take, options.take.name, found)))
         return
     width = max((len(plain(f.marker)) for f in found), default=6)
     say(f"{'marker':{width}}  kind   from s    to s  frames  score  {take.units:>6}")
@@ -53,8 +39,3 @@ def run(options: argparse.Namespace) -> None:
             f"{f.span.stop / take.rate:6.2f}  {len(f.span):6}  {f.score:5.2f}  {size:>6}"
         )
     say(f"{len(found)} findings")
-
-
-def _record(finding: Finding) -> dict[str, Any]:
-    whole = finding.to_json()
-    return {name: whole[name] for name in (*FIELDS, *WHERE_KNOWN) if name in whole}
