@@ -11,7 +11,8 @@ import pytest
 
 from markermend_app.plots.scene import scene_colours
 from markermend_app.views.keyboard import KeyListener
-from markermend_app.views.scene import CURSOR_JS, Focus, SceneView
+from markermend_app.views.playheads import Playheads
+from markermend_app.views.scene import Focus, SceneView
 
 N_FRAMES, RATE = 3000, 100.0
 LABELS = ["HEAD", "LSHO", "RSHO", "LWRA", "RWRA", "PELV", "LANK", "RANK"]
@@ -261,7 +262,7 @@ def test_without_webgl_a_plain_canvas_shows_the_same(
 
 
 def test_cursor_of_a_figure_moves_in_the_browser_only(serve: Any, open_page: Any) -> None:
-    from bokeh.models import CustomJS, Span
+    from bokeh.models import Span
     from bokeh.plotting import figure as bokeh_figure
 
     sent: list[float] = []
@@ -269,27 +270,24 @@ def test_cursor_of_a_figure_moves_in_the_browser_only(serve: Any, open_page: Any
 
     def factory() -> pn.Column:
         plot = bokeh_figure(width=300, height=150, x_range=(0, 30), y_range=(0, 1))
-        cursor = Span(location=0, dimension="height", name="cursor")
+        cursor = Span(location=0, dimension="height", name="playhead")
         plot.add_layout(cursor)
         cursor.on_change("location", lambda _name, _old, new: sent.append(new))
         views.append(SceneView(width=300, height=300))
         views[0].show_take(figure(), RATE, LABELS, BONES)
-        document = pn.state.curdoc
-        assert document is not None
-        document.js_on_event("document_ready", CustomJS(args={"cursors": [cursor]}, code=CURSOR_JS))
-        return pn.Column(views[0], plot)
+        return pn.Column(views[0], plot, Playheads())
 
     page = open_page(serve(factory))
     page.wait_for_function("window.markermendScene?.ready")
     page.evaluate("dispatchEvent(new CustomEvent('markermend:seek', {detail: {frame: 1234}}))")
-    page.wait_for_function("Bokeh.documents[0].get_model_by_name('cursor')?.location === 12.34")
+    page.wait_for_function("Bokeh.documents[0].get_model_by_name('playhead')?.location === 12.34")
     until(lambda: views[0].frame == 1234)
     assert sent == []
     line, inside = (
         page.evaluate(
             f"""(() => {{
                 const view = Bokeh.index.find_one(
-                    Bokeh.documents[0].get_model_by_name('cursor'));
+                    Bokeh.documents[0].get_model_by_name('playhead'));
                 const {{ canvas_view, frame }} = view.plot_view;
                 const box = canvas_view.el.getBoundingClientRect();
                 const line = canvas_view.overlays_el.querySelector('.playhead');

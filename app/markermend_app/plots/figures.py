@@ -4,8 +4,8 @@ from typing import Any
 
 from bokeh.models import (
     CrosshairTool,
-    CustomJSTickFormatter,
     PanTool,
+    PrintfTickFormatter,
     Range1d,
     Span,
     WheelZoomTool,
@@ -37,9 +37,7 @@ def lane(x_range: Range1d, *tools: Any, **options: Any) -> Any:
     fig.toolbar.active_drag, fig.toolbar.active_scroll = pan, wheel
     fig.xaxis.visible = False
     fig.yaxis.ticker.desired_num_ticks = 4
-    fig.xaxis.formatter = CustomJSTickFormatter(
-        code="return Number(tick.toFixed(3)).toString() + ' s'"
-    )
+    fig.xaxis.formatter = PrintfTickFormatter(format="%.9g s")
     fig.add_tools(CrosshairTool(dimensions="height", line_alpha=0.25))
     return fig
 

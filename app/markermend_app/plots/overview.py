@@ -6,9 +6,9 @@ import numpy as np
 from bokeh.models import (
     BoxAnnotation,
     ColumnDataSource,
-    CustomJSTickFormatter,
     FixedTicker,
     LinearColorMapper,
+    PrintfTickFormatter,
     Range1d,
     Span,
     TapTool,
@@ -77,7 +77,7 @@ class Overview:
         fig.add_layout(self.window)
         fig.add_layout(self.playhead)
         fig.ygrid.visible = False
-        fig.xaxis.formatter = CustomJSTickFormatter(code="return Number(tick.toFixed(2)) + ' s'")
+        fig.xaxis.formatter = PrintfTickFormatter(format="%.9g s")
         self.figure: Any = fig
 
     def show(self, values: OverviewValues, theme: str) -> None:

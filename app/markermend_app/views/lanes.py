@@ -4,7 +4,7 @@ from typing import Any
 
 import panel as pn
 from bokeh.events import RangesUpdate, SelectionGeometry, Tap
-from bokeh.models import Column, CustomJS
+from bokeh.models import Column
 
 from markermend_app.plots.lanes import Lanes
 from markermend_app.plots.overview import Overview
@@ -12,7 +12,7 @@ from markermend_app.state import curves
 from markermend_app.state import overview as all_markers
 from markermend_app.state.desk import Desk
 from markermend_app.views.part import Intent
-from markermend_app.views.scene import CURSOR_JS, SEEK_JS
+from markermend_app.views.playheads import SEEKS
 
 LANES_SHOW = (
     "opened", "review", "findings", "selected", "marker", "theme", "window", "signal", "relative",
@@ -44,7 +44,7 @@ class LanesView:
         self.panel = pn.pane.Bokeh(figures, sizing_mode="stretch_both", margin=0)
         self.evidence = pn.pane.Bokeh(self.lanes.evidence, sizing_mode="stretch_both", margin=0)
         for figure in self.lanes.figures:
-            figure.js_on_event(Tap, CustomJS(code=SEEK_JS))
+            figure.tags = [SEEKS]
         self.lanes.axes[0].on_event(RangesUpdate, self._moved)
         for figure in self.lanes.axes:
             figure.on_event(SelectionGeometry, self._swept)
@@ -143,9 +143,3 @@ class OverviewView:
             self.desk.select(found)
         else:
             self.desk.go(float(event.x), self.values.duration_s)
-
-
-def cursor_script(lanes: LanesView, overview: OverviewView) -> CustomJS:
-    """Give the script that moves all playheads in the browser."""
-    spans = [*lanes.lanes.cursor, overview.overview.playhead]
-    return CustomJS(args={"cursors": spans}, code=CURSOR_JS)

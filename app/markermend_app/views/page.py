@@ -13,8 +13,9 @@ from markermend_app.style.sheet import PAGE_STYLESHEET
 from markermend_app.views import dialogs, header, queue, repairs, title, transport
 from markermend_app.views.document import Document
 from markermend_app.views.keyboard import KeyListener
-from markermend_app.views.lanes import LanesView, OverviewView, cursor_script
+from markermend_app.views.lanes import LanesView, OverviewView
 from markermend_app.views.part import Part
+from markermend_app.views.playheads import Playheads
 from markermend_app.views.stage import Stage
 
 TEMPLATE = Path(__file__).with_name("page.html")
@@ -63,5 +64,5 @@ def build(desk: Desk) -> pn.Template:
     page.add_panel("scene", stage.panel)
     page.add_panel("document", Document(desk, intent))
     page.add_panel("keyboard", keyboard)
-    pn.state.curdoc.js_on_event("document_ready", cursor_script(lanes, overview))
+    page.add_panel("playheads", Playheads())
     return page

@@ -13,14 +13,7 @@ chunks around the cursor, and runs the clock. `SceneView.frame` follows about te
 ``markermend:step``   heard; stops playback and moves by ``detail.by`` frames
 ``markermend:play``   heard; ``detail.playing`` true or false, or toggles without a detail
 
-`CURSOR_JS` is the code of a `bokeh.models.CustomJS` with the argument ``cursors`` (a list of
-`Span`) that moves them by these events; nothing of it is sent to Python, and no figure has to
-paint itself::
-
-    callback = CustomJS(args={"cursors": spans}, code=CURSOR_JS)
-    document.js_on_event("document_ready", callback)
-
-and a tap on a figure seeks with ``CustomJS(code=SEEK_JS)`` on the event ``tap``.
+`markermend_app.views.playheads` moves the cursors of the figures by these events.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -42,11 +35,6 @@ Array = NDArray[np.float64]
 
 CHUNK_BYTES = 2_000_000
 FEWEST_CHUNK_FRAMES = 500
-
-CURSOR_JS = Path(__file__).with_name("scene_cursor.js").read_text(encoding="utf-8")
-SEEK_JS = """
-window.dispatchEvent(new CustomEvent("markermend:seek", { detail: { time: cb_obj.x } }));
-"""
 
 _NUMBER = count(1)
 
