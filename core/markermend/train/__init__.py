@@ -10,6 +10,7 @@ from markermend.train.learning import Curve, Next, Result, Share, curves, next_e
 from markermend.train.levels import LEVELS, Level
 from markermend.train.marks import COLUMNS, ROWS, Grade, KindScore, Mark, Repaired
 from markermend.train.report import report
+from markermend.train.request import Request, prepare
 from markermend.train.worth import FAST
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "Mark",
     "Next",
     "Repaired",
+    "Request",
     "Result",
     "Share",
     "Standing",
@@ -35,6 +37,7 @@ __all__ = [
     "group_table",
     "make_exercise",
     "next_exercise",
+    "prepare",
     "report",
     "share",
     "standing",

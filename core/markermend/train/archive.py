@@ -62,14 +62,20 @@ def find(store: Store, sha256: str) -> int:
     StoreError
         If there is none.
     """
-    query = select(exercises.c.id).where(exercises.c.take == sha256).order_by(exercises.c.id.desc())
-    found = store.rows(query.limit(1))
-    if not found:
+    found = known(store, sha256)
+    if found is None:
         raise StoreError(
             f"The store {store.where} knows no exercise on the take {sha256[:12]}; make one with "
             "markermend train, or give the store that it was made with."
         )
-    return int(found[0].id)
+    return found
+
+
+def known(store: Store, sha256: str) -> int | None:
+    """Give the number of the latest exercise on a take, or None."""
+    query = select(exercises.c.id).where(exercises.c.take == sha256).order_by(exercises.c.id.desc())
+    found = store.rows(query.limit(1))
+    return int(found[0].id) if found else None
 
 
 def unseal(store: Store, number: int, take: Take) -> Exercise:
@@ -91,29 +97,39 @@ def unseal(store: Store, number: int, take: Take) -> Exercise:
     return _exercise(take, rows[0].content)
 
 
-def record(store: Store, number: int, result: Grade, trainee: str | None = None) -> None:
-    """Keep a grade; the learning curve takes the first one of each exercise."""
+def record(
+    store: Store, number: int, result: Grade, trainee: str | None = None, *, helped: bool = False
+) -> None:
+    """Keep a grade; the learning curve takes the first one of each exercise.
+
+    An exercise in which the trainee was `helped`, by feedback after each decision, is kept as all
+    others and counts in no curve.
+    """
     store.add_row(
         grades,
         exercise=number,
         trainee=trainee or default_operator(),
         at=datetime.now(UTC),
-        result=result.to_json(),
+        result={**result.to_json(), "helped": helped},
     )
 
 
 def results(store: Store, trainee: str | None = None) -> tuple[Result, ...]:
-    """Give the first grade of each exercise and trainee, oldest first; of one trainee or all."""
+    """Give the first grade of each exercise and trainee, oldest first; of one trainee or all.
+
+    Exercises whose first grade was reached with help are left out.
+    """
     query = select(grades).order_by(grades.c.at, grades.c.id)
     if trainee is not None:
         query = query.where(grades.c.trainee == trainee)
-    first: dict[tuple[int, str], Result] = {}
+    first: dict[tuple[int, str], Any] = {}
     for row in store.rows(query):
-        first.setdefault(
-            (row.exercise, row.trainee),
-            Result.from_grade(row.trainee, row.exercise, row.at, row.result),
-        )
-    return tuple(first.values())
+        first.setdefault((row.exercise, row.trainee), row)
+    return tuple(
+        Result.from_grade(row.trainee, row.exercise, row.at, row.result)
+        for row in first.values()
+        if not row.result.get("helped", False)
+    )
 
 
 def _content(exercise: Exercise) -> dict[str, Any]:

@@ -1,14 +1,15 @@
 """A trainee's report as one HTML page that asks nothing of the network."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from html import escape
 
 from markermend import __version__
-from markermend.model import Kind
+from markermend.train.figures import learning_curves
 from markermend.train.group import standing
-from markermend.train.learning import CONFIDENCE, WINDOW, Curve, Result, Share, curves
+from markermend.train.learning import CONFIDENCE, WINDOW, Result, Share, curves
 
 _STYLE = """
+:root{--line:#d8dde1;--ink3:#59636b;--accent:#1d5c8a}
 body{font:15px/1.5 system-ui,sans-serif;color:#1d2327;max-width:52rem;margin:3rem auto;
 padding:0 1rem}
 h1{font-size:1.6rem;margin:0}h2{font-size:1.1rem;margin:2.2rem 0 .4rem}
@@ -19,7 +20,6 @@ figure{display:inline-block;margin:.6rem 1.2rem .6rem 0}figcaption{font-weight:6
 .note{color:#59636b;font-size:.87rem}
 @media print{body{margin:0}}
 """
-_WIDTH, _HEIGHT, _PAD = 300, 150, 26
 
 
 def report(results: Sequence[Result]) -> str:
@@ -58,7 +58,7 @@ def report(results: Sequence[Result]) -> str:
         f"{CONFIDENCE:.0%} interval</tr>{rows}</table>"
         f"<p>Of what was accepted lately, {now.invented.right} of {now.invented.of} was another "
         "kind or nothing at all.</p>"
-        f"<h2>Over time</h2>{_curves(curves(results))}"
+        f"<h2>Over time</h2>{learning_curves(curves(results))}"
         f"<p class=note>Dots: share found and named in one exercise, with its interval (Wilson). "
         f"Line and band: {WINDOW} exercises together; there is none before the third. Levels grow "
         "harder and stand under the dots.</p>"
@@ -92,50 +92,4 @@ def _exercises(results: Sequence[Result]) -> str:
     return (
         "<table><tr><th>Day<th class=n>Level<th class=n>Found<th class=n>Error in the take<th></tr>"
         f"{''.join(rows)}</table>"
-    )
-
-
-def _curves(found: Mapping[Kind, Curve]) -> str:
-    return "".join(_figure(curve) for curve in found.values())
-
-
-def _figure(curve: Curve) -> str:
-    n = len(curve.points)
-
-    def x(i: float) -> float:
-        return _PAD + (i + 0.5) * (_WIDTH - _PAD) / n
-
-    def y(value: float) -> float:
-        return 8 + (1.0 - value) * (_HEIGHT - 30)
-
-    marks = [
-        f'<line x1="{_PAD}" x2="{_WIDTH}" y1="{y(value):.1f}" y2="{y(value):.1f}" '
-        'stroke="#d8dde1"/>'
-        f'<text x="0" y="{y(value) + 4:.1f}" font-size="10" fill="#59636b">{value:.0%}</text>'
-        for value in (0.0, 0.5, 1.0)
-    ]
-    for i, point in enumerate(curve.points):
-        one = point.share
-        marks.append(
-            f'<line x1="{x(i):.1f}" x2="{x(i):.1f}" y1="{y(one.low):.1f}" y2="{y(one.high):.1f}" '
-            'stroke="#8a98a3"/>'
-            f'<circle cx="{x(i):.1f}" cy="{y(one.value or 0.0):.1f}" r="3" fill="#1d5c8a"/>'
-            f'<text x="{x(i):.1f}" y="{_HEIGHT - 4}" font-size="10" text-anchor="middle" '
-            f'fill="#59636b">{point.level or "r"}</text>'
-        )
-    if curve.line:
-        places = " ".join(
-            f"{x(i + WINDOW - 1):.1f},{y(one.value or 0.0):.1f}" for i, one in enumerate(curve.line)
-        )
-        ends = [(x(i + WINDOW - 1), one) for i, one in enumerate(curve.line)]
-        band = [f"{at:.1f},{y(one.high):.1f}" for at, one in ends]
-        band += [f"{at:.1f},{y(one.low):.1f}" for at, one in reversed(ends)]
-        marks.insert(0, f'<polygon points="{" ".join(band)}" fill="#1d5c8a" fill-opacity="0.12"/>')
-        marks.append(
-            f'<polyline points="{places}" fill="none" stroke="#1d5c8a" stroke-width="1.5"/>'
-        )
-    title = escape(curve.kind)
-    return (
-        f'<figure><figcaption>{title}</figcaption><svg width="{_WIDTH}" height="{_HEIGHT}" '
-        f'role="img" aria-label="Share of {title} found over time">{"".join(marks)}</svg></figure>'
     )

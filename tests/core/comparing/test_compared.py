@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from sklearn.metrics import cohen_kappa_score
 
 import markermend as mm
-from markermend.comparing import adjudication, agreement, table2
+from markermend.comparing import adjudication, agreement, cases, table2, taken_over
 from markermend.comparing.compared import SPAN_CLASSES
 from markermend.comparing.differing import difference
 from markermend.comparing.grouping import groups, sayings
@@ -16,7 +16,7 @@ from markermend.errors import BadDecisions, BadInput
 from markermend.evaluate.matching import overlap, pairs
 from markermend.evaluate.scores import CLASSES
 from markermend.model import Finding, Kind, Span, Take
-from markermend.review import Decision, Judgement, Review
+from markermend.review import Adopt, Decision, Judgement, Review
 from markermend.review.decisions import decisions_on
 from markermend.truth import Truth
 
@@ -295,6 +295,30 @@ def test_an_adjudication_keeps_what_all_decided_alike() -> None:
     )
     assert said["D", 5].note == "1: accepted as peak 5-9 with linear; 2: nothing here"
     assert adjudication([ann, ann]).judgements == ann.judgements
+    named = adjudication([ann, ben], ("Ann", "Ben"))
+    (note,) = [j.decision.note for j in named if j.finding.marker == "D"]
+    assert note == "Ann: accepted as peak 5-9 with linear; Ben: nothing here"
+    with pytest.raises(BadInput, match="2 reviews need as many names; got 1"):
+        adjudication([ann, ben], ("Ann",))
+
+
+def test_an_adjudicator_may_follow_either_of_them() -> None:
+    ann = review_of(judged("A", 20, 60, "slow"), judged("B", 5, 9, "peak"))
+    ben = review_of(judged("A", 22, 60, "step", "accepted"), judged("C", 5, 9, "noise", "rejected"))
+    found = {case.finding.marker: case for case in cases([ann, ben])}
+    assert found["A"].decision(0) == Decision("accepted", method="linear")
+    assert found["A"].decision(1) == Decision("accepted", "step", Span(22, 60), "linear")
+    assert found["B"].decision(1) == found["C"].decision(0) == Decision("rejected")
+    assert not any(case.agreed for case in found.values())
+    assert all(case.agreed for case in cases([ann, ann]))
+
+    # Following one of them throughout gives that one's review, as one command each.
+    review = taken_over(adjudication([ann, ben])).apply(Review())
+    for case in cases([ann, ben]):
+        review = Adopt((case.finding,), (case.decision(1),), (False,)).apply(review)
+    assert review.accepted() == ben.accepted()
+    with pytest.raises(BadInput, match="nothing to take over"):
+        taken_over(adjudication([Review(), Review()]))
 
 
 SPANS = st.builds(lambda a, n: Span(a, a + n), st.integers(0, 60), st.integers(1, 30))

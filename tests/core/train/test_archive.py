@@ -65,6 +65,16 @@ def test_only_the_first_grade_of_an_exercise_counts(store: Store) -> None:
     assert archive.results(store, "nobody") == ()
 
 
+def test_an_exercise_done_with_help_counts_in_no_curve(store: Store) -> None:
+    made = make_exercise(CLEAN, 2, 3)
+    number = archive.keep(store, made)
+    result = grade(made, accepting(made.truths), methods=())
+    archive.record(store, number, result, "ben", helped=True)
+    archive.record(store, number, result, "ben")  # once more, knowing the answers
+    archive.record(store, number, result, "anna")
+    assert [one.trainee for one in archive.results(store)] == ["anna"]
+
+
 def test_the_latest_exercise_on_a_take_is_meant(store: Store) -> None:
     made = make_exercise(CLEAN, 2, 3)
     archive.keep(store, made)
