@@ -176,13 +176,13 @@ class Bench:
         return self._judged(method.name, np.array(errors) * self._hardship(tried))
 
     def _hardship(self, tried: list[int]) -> float:
-        """Say how much harder all pseudo-gaps are than these few, by the reference's errors."""
+        """Say how much harder the gap is than these few pseudo-gaps, by the reference's errors."""
         if self.reference is None:
             return 1.0
         errors = self.reference.errors.mean(axis=1)
         starts = self.reference.pseudo.starts + self.reference.first
         at = np.searchsorted(starts, self._starts[tried] + self._window_start)
-        return float(errors.mean() / max(errors[at].mean(), 1e-9))
+        return self.reference.expected_mm / float(max(errors[at].mean(), 1e-9))
 
     def _judged(self, name: str, errors: FloatArray) -> Trust:
         each = errors.mean(axis=1)
@@ -195,7 +195,7 @@ class Bench:
 
 
 def _of_reference(found: Blend) -> Trust:
-    each = found.errors.mean(axis=1)
+    each = found.likely.mean(axis=1)
     return Trust(
         REFERENCE, found.expected_mm, float(np.quantile(each, 0.9)), found.band(), len(each)
     )

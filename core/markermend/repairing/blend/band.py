@@ -7,7 +7,7 @@ from scipy.ndimage import gaussian_filter1d
 from markermend.model import FloatArray
 
 SHARE = 0.9
-WIDER, WIDER_FRAMES = 1.05, 100.0
+WIDER, WIDER_FRAMES = 1.03, 100.0
 """How much wider the band is made, for the mix was chosen on the same pseudo-gaps, and for these
 know only the motions of the frames that are seen; set on other recordings than are reported."""
 LEAST_LENGTHS = 2.5

@@ -1,6 +1,7 @@
 """Choose among many predictions, and mix the best, by how they do on pseudo-gaps."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -17,6 +18,9 @@ FINALISTS = 12
 POOL = 16
 """Pairs of prediction and operator that the mix is made from."""
 FIRST_OPERATORS = ("Hermite", "Matérn 3/2 of 0.4 s", "Matérn 5/2 of 0.1 s", "ramp")
+DISAGREEMENT, AGREED = 0.8, 0.1
+"""How the error grows with the disagreement of the members, and what is left of it without any,
+as a share of the usual one."""
 LEAST_PSEUDO = 6
 """Pseudo-gaps without which nothing is chosen by them."""
 
@@ -39,6 +43,9 @@ class Blend:
         Frame of the take with which the window starts that the pseudo-gaps are counted in.
     seen
         Frames of that window in which the marker and its neighbours are seen.
+    hardness
+        (n_pseudo,): how many times larger an error is to be expected in the gap than in each
+        pseudo-gap, told by how much more the members disagree there.
     """
 
     values: FloatArray
@@ -47,15 +54,21 @@ class Blend:
     members: tuple[tuple[float, str], ...]
     first: int
     seen: int
+    hardness: FloatArray
+
+    @cached_property
+    def likely(self) -> FloatArray:
+        """(n_pseudo, n_inside) mm: the errors as they would be if all were as hard as the gap."""
+        return self.errors * self.hardness[:, None]
 
     @property
     def expected_mm(self) -> float:
         """Mean error to be expected."""
-        return float(self.errors.mean())
+        return float(self.likely.mean())
 
     def band(self) -> FloatArray | None:
         """Give the 90 % band by position in the gap, (length,) mm, if enough is seen."""
-        return band_by_position(self.errors, self.pseudo.inside, self.pseudo.length, self.seen)
+        return band_by_position(self.likely, self.pseudo.inside, self.pseudo.length, self.seen)
 
 
 def blend(around: Scene) -> Blend | None:
@@ -88,8 +101,9 @@ def blend(around: Scene) -> Blend | None:
     )
     chosen, weights = mix(turned.reshape(len(pool), len(pseudo), -1))
     members = [(ways[pool[c][0]], recipes[finalists[pool[c][1]]]) for c in chosen]
-    values = _fill(around, kinds, members, weights)
-    mixed = np.tensordot(weights, turned[chosen], axes=1)
+    fills = _fills(around, kinds, members)
+    values, here = _mixed(weights, fills)
+    mixed, there = _mixed(weights, turned[chosen])
     described = tuple(
         (
             float(weight),
@@ -104,14 +118,27 @@ def blend(around: Scene) -> Blend | None:
         described,
         around.window.start,
         int(around.rows.sum()),
+        _hardness(float(here.mean()), there.mean(axis=1)),
     )
 
 
-def _described(family: Family, recipe: Recipe, way: Operator) -> str:
-    """Say it to the operator."""
-    if not recipe.neighbours:
-        return f"{way.name} in the frame of {family.name}"
-    return f"{recipe.neighbours} neighbours in the frame of {family.name}, then {way.name}"
+def _mixed(weights: FloatArray, members: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Give the mix of the members, (..., n_dims), and by how much they disagree, (...)."""
+    mixed = np.tensordot(weights, members, axes=1)
+    apart = np.square(members - mixed).sum(axis=-1)
+    return mixed, np.sqrt(np.tensordot(weights, apart, axes=1))
+
+
+def _hardness(here: float, there: FloatArray) -> FloatArray:
+    """Say how much harder the gap is than each pseudo-gap, within the range of these.
+
+    Where the members disagree more, all of them err more. The exponent was chosen on other
+    recordings than are reported.
+    """
+    usual = float(np.median(there)) + 1e-9
+    each = (there / usual + AGREED) ** DISAGREEMENT
+    own = (here / usual + AGREED) ** DISAGREEMENT
+    return np.asarray(np.clip(own, each.min(), each.max()) / each)
 
 
 def _residuals(family: Family, pseudo: PseudoGaps) -> FloatArray:
@@ -130,13 +157,10 @@ def _turned(family: Family, pseudo: PseudoGaps, errors: FloatArray) -> FloatArra
     return np.asarray(np.einsum("kfij,kfj->kfi", family.frames.rotation[frames], errors))
 
 
-def _fill(
-    around: Scene,
-    kinds: tuple[Family, ...],
-    members: list[tuple[Operator, Recipe]],
-    weights: FloatArray,
+def _fills(
+    around: Scene, kinds: tuple[Family, ...], members: list[tuple[Operator, Recipe]]
 ) -> FloatArray:
-    """Fill the real gap with the members, learning from all rows."""
+    """Fill the real gap by each member, learning from all rows: (n_members, length, n_dims)."""
     cut = around.window
     span, edge = cut.span, around.boundary
     hull = Span(
@@ -148,13 +172,13 @@ def _fill(
         for way in operators((inside - span.start) / cut.rate, (edge - span.start) / cut.rate)
     }
     made: dict[int, FloatArray] = {}
-    values = np.zeros((len(span), cut.n_dims))
-    for (way, recipe), weight in zip(members, weights, strict=True):
+    fills = []
+    for way, recipe in members:
         family = kinds[recipe.family]
         if recipe.family not in made:
             made[recipe.family] = family.predictions(hull, None)
         predicted = made[recipe.family][family.recipes(recipe.family).index(recipe)]
         left = family.y[edge] - predicted[edge - hull.start]
         local = predicted[inside - hull.start] + ways[way.name] @ left
-        values += weight * family.frames.at(span.frames).to_world(local)
-    return values
+        fills.append(family.frames.at(span.frames).to_world(local))
+    return np.stack(fills)
