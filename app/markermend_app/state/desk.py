@@ -11,7 +11,7 @@ from pathlib import Path
 
 import param
 
-from markermend.errors import Lacking, MarkerMendError
+from markermend.errors import BadInput, Lacking, MarkerMendError
 from markermend.review.session import ReviewSession
 from markermend.review.triage import Triage
 from markermend_app.state import exporting
@@ -50,6 +50,11 @@ class Desk(Deciding):
 
     def open(self, path: Path, units: str | None = None, rate: float | None = None) -> None:
         """Open a take in the background."""
+        try:
+            path = self.workspace.find(path)
+        except BadInput as refusal:
+            self.fail(str(refusal))
+            return
         self.param.update(busy=f"Opening {path.name}", message="", dialog="", asked=None)
 
         def work(ticket: Ticket) -> tuple[Opened, Triage] | Asked | str:
@@ -58,7 +63,7 @@ class Desk(Deciding):
 
             try:
                 opened = self.workspace.open(path, units, rate, report)
-                return opened, self.workspace.learnt(opened)
+                return opened, self.workspace.learnt(opened, self.person.name)
             except Lacking as lack:
                 return Asked(path, lack.what, str(lack), units, rate)
             except MarkerMendError as refusal:
@@ -104,7 +109,7 @@ class Desk(Deciding):
 
     def _begin(self, opened: Opened) -> tuple[ReviewSession, tuple[str, ...]]:
         """Give the review that is worked on, and what the operator should know of it."""
-        return self.workspace.begin(opened)
+        return self.workspace.begin(opened, self.person.name)
 
     def show_takes(self) -> None:
         """Open the list of takes: those given, those in the folder, those opened before."""
@@ -149,6 +154,11 @@ class Desk(Deciding):
     def export(self, target: Path, *, overwrite: bool = False, report: bool = False) -> None:
         """Write the repaired take, its decision file and a report, and verify both."""
         if self.opened is None or self.plan is None or self.session is None:
+            return
+        try:
+            target = self.workspace.find(target)
+        except BadInput as refusal:
+            self.fail(str(refusal))
             return
         opened, planned, session = self.opened, self.plan, self.session
         self.param.update(busy=f"Writing {target.name}")

@@ -11,6 +11,7 @@ from markermend.model import KINDS, Finding, Kind, Span
 from markermend.review import Command, Judgement, Review
 from markermend.review.session import Change, ReviewSession
 from markermend_app.state.jobs import Jobs, Schedule
+from markermend_app.state.people import Person, alone
 from markermend_app.state.workspace import Opened, Workspace
 
 AS_DESIGNED: dict[Kind, float] = dict.fromkeys(KINDS, 1.0)
@@ -32,9 +33,16 @@ class Held(param.Parameterized):  # type: ignore[misc]  # param has no types
     busy: str = param.String("", doc="What is being done, or empty.")
     saved: str = param.String("", doc="When the last decision reached the disk, local time.")
 
-    def __init__(self, workspace: Workspace, schedule: Schedule, **values: Any) -> None:
+    def __init__(
+        self,
+        workspace: Workspace,
+        schedule: Schedule,
+        person: Person | None = None,
+        **values: Any,
+    ) -> None:
         super().__init__(**values)
         self.workspace = workspace
+        self.person = alone() if person is None else person
         self.jobs = Jobs(schedule, self.fail)
         self.session: ReviewSession | None = None
         self._of: tuple[Finding, ...] = ()

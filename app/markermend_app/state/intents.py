@@ -67,7 +67,7 @@ def _threshold(kind: Kind) -> Intention:
 def _open(desk: Desk, arg: Any, fields: Fields) -> None:
     path = str(arg or fields.get("path", "")).strip().strip('"')
     if path:
-        desk.open(Path(path).expanduser())
+        desk.open(Path(path))
     else:
         desk.fail("Give the path of a recording.")
 
@@ -104,7 +104,7 @@ def _write(desk: Desk, _: Any, fields: Fields) -> None:
         desk.fail("Give the export a file name.")
         return
     desk.export(
-        Path(target).expanduser(),
+        Path(target),
         overwrite=bool(fields.get("overwrite")),
         report=bool(fields.get("report")),
     )

@@ -15,6 +15,7 @@ from markermend.repairing import REPAIRS
 from markermend.review.session import ReviewSession
 from markermend.review.store import Store
 from markermend.review.triage import Triage, learn
+from markermend_app.state.reach import Reach
 
 Progress = Callable[[str], None]
 
@@ -84,6 +85,10 @@ class Workspace:
         Names of the repairs that are offered; by default all.
     ahead
         How many findings are compared while the operator looks at another.
+    reach
+        The folder that can be reached from a page; by default all of the disk.
+    most_upload
+        How large a file may be that is dropped on a page, bytes.
     """
 
     KEPT = 3
@@ -99,12 +104,30 @@ class Workspace:
         detector: str = detection.DEFAULT,
         methods: tuple[str, ...] | None = None,
         ahead: int = 3,
+        reach: Reach | None = None,
+        most_upload: int = MOST_DROPPED_BYTES,
     ) -> None:
         self.store, self.paths, self.detector = store, paths, detector
         self.methods, self.ahead = REPAIRS.names() if methods is None else methods, ahead
         self.units, self.rate, self.ignore_residuals = units, rate, ignore_residuals
+        self.reach, self.most_upload = reach, most_upload
         self._lock = threading.Lock()
         self._kept: OrderedDict[tuple[object, ...], Opened] = OrderedDict()
+
+    def find(self, given: str | Path) -> Path:
+        """Give the file that a path from a page means.
+
+        Raises
+        ------
+        BadInput
+            If it may not be reached from there.
+        """
+        if self.reach is not None:
+            return self.reach.inside(given)
+        try:
+            return Path(given).expanduser()
+        except RuntimeError:
+            raise BadInput(f"{given} names nobody's folder; give the path in full.") from None
 
     def open(
         self,
@@ -140,7 +163,9 @@ class Workspace:
             self._kept.move_to_end(key)
             return self._kept[key]
 
-    def begin(self, opened: Opened) -> tuple[ReviewSession, tuple[str, ...]]:
+    def begin(
+        self, opened: Opened, operator: str | None = None
+    ) -> tuple[ReviewSession, tuple[str, ...]]:
         """Go on with the operator's review of a take, or begin it.
 
         Returns
@@ -158,9 +183,9 @@ class Workspace:
                     f"{opened.name} has changed since {earlier.last_seen:%Y-%m-%d}; "
                     "this is a new review, and the earlier one is kept with the earlier content."
                 )
-        return ReviewSession.open(self.store, take), tuple(told)
+        return ReviewSession.open(self.store, take, operator), tuple(told)
 
-    def learnt(self, opened: Opened) -> Triage:
+    def learnt(self, opened: Opened, operator: str | None = None) -> Triage:
         """Learn from the operator's reviews of other takes; of this one, nothing.
 
         So the order of a queue does not change while somebody works in it.
@@ -168,6 +193,8 @@ class Workspace:
         reviews = []
         for record in self.store.reviews()[-MOST_LEARNT:]:
             if record.take == opened.take.content_hash or record.purpose != "review":
+                continue
+            if operator is not None and record.operator != operator:
                 continue
             try:
                 reviews.append(ReviewSession(self.store, record).review)
@@ -180,17 +207,33 @@ class Workspace:
         given = tuple(Place(path) for path in self.paths)
         known = set(self.paths)
         beside = () if here is None else tuple(
-            Place(path) for path in takes_in(here.parent) if path not in known
+            Place(path) for path in takes_in(here.parent)
+            if path not in known and self._shows(path)
         )  # fmt: skip
         recent = tuple(
             Place(record.path, f"{record.last_seen.astimezone():%Y-%m-%d %H:%M}")
             for record in self.store.takes(4 * MOST_RECENT)
-            if record.path is not None and record.path.exists()
+            if record.path is not None and self._shows(record.path) and record.path.exists()
         )
         return Takes(given, beside, recent[:MOST_RECENT])
 
+    def _shows(self, path: Path) -> bool:
+        return self.reach is None or self.reach.holds(path)
+
+    def too_large(self, name: str, n_bytes: int) -> BadInput:
+        """Say that a dropped file is too large."""
+        way = (
+            "name it when starting: markermend review PATH"
+            if self.reach is None
+            else "let it be copied into the archive"
+        )
+        most = f"{self.most_upload / 1e6:.3g} MB"
+        return BadInput(
+            f"{name[:120]} has {n_bytes / 1e6:.3g} MB, and at most {most} can be dropped; {way}."
+        )
+
     def keep(self, name: str, data: bytes) -> Path:
-        """Keep a file that came from the browser, which has no path, beside the store.
+        """Keep a file that came from the browser: beside the store, or in the archive.
 
         Raises
         ------
@@ -199,15 +242,15 @@ class Workspace:
         """
         plain = Path(name.replace("\\", "/")).name
         known = extensions()
-        if Path(plain).suffix.lower() not in known:
+        if Path(plain).suffix.lower() not in known or not plain.isprintable():
             raise BadInput(f"{plain!r} is no take; drop a file that ends in {', '.join(known)}.")
-        if len(data) > MOST_DROPPED_BYTES:
-            raise BadInput(
-                f"{plain} has {len(data) / 1e6:.0f} MB, more than can be dropped; name it when "
-                "starting: markermend review PATH."
-            )
-        folder = Path(self.store.where).parent / "dropped" / sha256(data).hexdigest()[:12]
+        if len(data) > self.most_upload:
+            raise self.too_large(plain, len(data))
+        around = Path(self.store.where).parent if self.reach is None else self.reach.root
+        folder = around / "dropped" / sha256(data).hexdigest()[:12]
         try:
+            if self.reach is not None:
+                self.reach.inside(folder / plain)  # a link may stand there
             folder.mkdir(parents=True, exist_ok=True)
             (folder / plain).write_bytes(data)
         except OSError as error:

@@ -69,6 +69,10 @@ export function render({ model, el }) {
     const file = event.dataTransfer?.files[0];
     if (!file) return;
     event.preventDefault();
+    if (file.size > model.most_upload) {
+      model.send_msg({ file: file.name, first: true, too_large: file.size });
+      return;
+    }
     const bytes = new Uint8Array(await file.arrayBuffer());
     for (let at = 0; at === 0 || at < bytes.length; at += CHUNK) {
       const last = at + CHUNK >= bytes.length;

@@ -9,7 +9,6 @@ import param
 from panel.custom import JSComponent
 
 from markermend_app.state.desk import Desk
-from markermend_app.state.workspace import MOST_DROPPED_BYTES
 from markermend_app.views.part import Intent
 
 
@@ -20,11 +19,12 @@ class Document(JSComponent):
     title = param.String(default="MarkerMend")
     first_frame = param.Integer(default=1)
     adding = param.Boolean(default=False)
+    most_upload = param.Integer(default=0)
 
     _esm = Path(__file__).with_name("document.js")
 
     def __init__(self, desk: Desk, intent: Intent, **params: Any) -> None:
-        super().__init__(theme=desk.theme, **params)
+        super().__init__(theme=desk.theme, most_upload=desk.workspace.most_upload, **params)
         self._desk, self._intent = desk, intent
         desk.param.watch(self._follow, ["theme", "opened", "adding"])
         self._file = bytearray()
@@ -46,11 +46,15 @@ class Document(JSComponent):
             self._intent(str(msg["do"]), msg.get("arg"), {})
 
     def _receive(self, msg: Mapping[str, Any]) -> None:
-        """Put a dropped file together from its parts."""
+        """Put a dropped file together from its parts; of one that is too large, none are sent."""
+        name, workspace = str(msg["file"]), self._desk.workspace
         if msg["first"]:
             self._file = bytearray()
-        if len(self._file) <= MOST_DROPPED_BYTES:
+        if "too_large" in msg:
+            self._desk.fail(str(workspace.too_large(name, int(msg["too_large"]))))
+            return
+        if len(self._file) <= workspace.most_upload:  # whatever the browser was told
             self._file += b64decode(str(msg["data"]))
         if msg["last"]:
             data, self._file = bytes(self._file), bytearray()
-            self._desk.receive(str(msg["file"]), data)
+            self._desk.receive(name, data)
