@@ -15,7 +15,16 @@ from markermend.model import KINDS, Take
 from markermend_app.cli.terminal import say, sentence
 
 __all__ = [
-    "hertz", "json_text", "kinds", "lacking", "progress", "read", "take_argument", "warn", "whole",
+    "hertz",
+    "json_text",
+    "kinds",
+    "lacking",
+    "positive",
+    "progress",
+    "read",
+    "take_argument",
+    "warn",
+    "whole",
 ]  # fmt: skip
 
 
@@ -38,13 +47,22 @@ def lacking(parser: argparse.ArgumentParser) -> None:
 
 def hertz(text: str) -> float:
     """Read a rate."""
-    try:
-        rate = float(text)
-    except ValueError:
-        rate = math.nan
-    if not (math.isfinite(rate) and rate > 0):
-        raise argparse.ArgumentTypeError(f"must be a positive number of Hz; got {text!r}")
-    return rate
+    return positive("Hz")(text)
+
+
+def positive(unit: str) -> Callable[[str], float]:
+    """Give a function that reads a positive number."""
+
+    def read_positive(text: str) -> float:
+        try:
+            number = float(text)
+        except ValueError:
+            number = math.nan
+        if not (math.isfinite(number) and number > 0):
+            raise argparse.ArgumentTypeError(f"must be a positive number of {unit}; got {text!r}")
+        return number
+
+    return read_positive
 
 
 def whole(least: int, most: int) -> Callable[[str], int]:

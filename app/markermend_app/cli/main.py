@@ -22,6 +22,7 @@ COMMANDS = {
     "info": "say what a take holds",
     "detect": "list gaps and artefacts",
     "repair": "fill gaps, repair artefacts, write the take back",
+    "batch": "detect, and repair by a policy, over an archive of takes",
     "evaluate": "repeat the published experiments and benchmarks, as tables",
     "simulate": "make a take of a walking or sitting person, with known artefacts",
     "train": "practise on a take whose truth is known, and be graded",

@@ -123,8 +123,8 @@ class Store:
         path = None if take.source is None else take.source.path
         now = datetime.now(UTC)
         values: dict[str, Any] = {
-            "name": "untitled" if path is None else _storable(path.name),
-            "path": None if path is None else _storable(path.absolute()),
+            "name": "untitled" if path is None else storable(path.name),
+            "path": None if path is None else storable(path.absolute()),
             "n_frames": take.n_frames,
             "rate": take.rate,
             "last_seen": now,
@@ -159,7 +159,7 @@ class Store:
         """
         query = (
             select(takes)
-            .where(takes.c.path == _storable(Path(path).absolute()))
+            .where(takes.c.path == storable(Path(path).absolute()))
             .order_by(takes.c.last_seen.desc())
             .limit(1)
         )
@@ -323,7 +323,7 @@ class Store:
             return list(connection.execute(query))
 
 
-def _storable(path: str | Path) -> str:
+def storable(path: str | Path) -> str:
     """Give a path as text that any database takes, also where its bytes are no UTF-8."""
     return str(path).encode("utf-8", "backslashreplace").decode()
 
