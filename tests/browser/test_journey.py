@@ -129,7 +129,7 @@ def test_the_main_job_on_a_raw_take(raw: Path, start: Any, open_page: Any, tmp_p
     begun = desk.frame()
     until(lambda: desk.frame() != begun)
     desk.press(" ")
-    page.wait_for_timeout(300)
+    until(lambda: not page.evaluate("window.markermendScene.playing"))
     assert desk.cursor() == pytest.approx(desk.frame() / take.rate, abs=1e-6)
 
     # Accept: one key decides and goes on.

@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import param
-from panel.custom import JSComponent
 
 from markermend_app.state.desk import Desk
+from markermend_app.views.component import Component
 from markermend_app.views.part import Intent
 
 
-class Document(JSComponent):
+class Document(Component):
     """Carries what no part of the page owns; it shows nothing itself."""
 
     theme = param.Selector(default="light", objects=["light", "dark"])

@@ -11,12 +11,13 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import param
-from panel.custom import JSComponent
+
+from markermend_app.views.component import Component
 
 KeyCallback = Callable[[str], None]
 
 
-class KeyListener(JSComponent):
+class KeyListener(Component):
     """Sends listed keys to Python, unless they are typed into a field; Escape leaves a field.
 
     Parameters

@@ -1,37 +1,7 @@
+import { drawnUnlessPressed, redraw, releaseSteady } from "./redraw.js";
+
 // Shows the HTML that Python made and sends intentions back: elements with data-do are the only
-// controls, whatever part they stand in. What stays the same is left alone, so that focus, what is
-// being typed and what is being dragged survive.
-function update(old, fresh) {
-  const before = [...old.childNodes], after = [...fresh.childNodes];
-  after.forEach((node, i) => {
-    const there = before[i];
-    if (!there) old.append(node);
-    else if (there.nodeType !== node.nodeType || there.nodeName !== node.nodeName) {
-      there.replaceWith(node);
-    } else if (node.nodeType === Node.TEXT_NODE) {
-      if (there.data !== node.data) there.data = node.data;
-    } else {
-      updateElement(there, node);
-    }
-  });
-  before.slice(after.length).forEach((node) => node.remove());
-}
-
-function updateElement(old, fresh) {
-  for (const { name } of [...old.attributes]) {
-    if (!fresh.hasAttribute(name)) old.removeAttribute(name);
-  }
-  for (const { name, value } of fresh.attributes) {
-    if (old.getAttribute(name) !== value) {
-      old.setAttribute(name, value);
-      // A field follows what Python says, unless somebody is at it.
-      if (name === "value" && !old.matches(":focus, :active")) old.value = value;
-    }
-  }
-  if (old.nodeName === "OPTION") old.selected = fresh.hasAttribute("selected");
-  if (!old.isEqualNode(fresh)) update(old, fresh);
-}
-
+// controls, whatever part they stand in.
 export function render({ model, el }) {
   const root = document.createElement("div");
   root.className = "root";
@@ -46,7 +16,8 @@ export function render({ model, el }) {
   };
   const send = (target, value) => {
     const { do: name, arg } = target.dataset;
-    model.send_msg({ do: name, arg: value ?? arg ?? null, fields: fieldsOf(target) });
+    const of = target.closest("[data-steady]")?.dataset.steady ?? null;
+    model.send_msg({ do: name, arg: value ?? arg ?? null, fields: fieldsOf(target), of });
   };
 
   root.addEventListener("click", (event) => {
@@ -87,13 +58,22 @@ export function render({ model, el }) {
     const fresh = document.createElement("div");
     fresh.innerHTML = model.html;
     const dialog = fresh.querySelector("[data-dialog]")?.dataset.dialog ?? "";
-    if (dialog !== opened) root.replaceChildren(...fresh.childNodes);
-    else update(root, fresh);
+    if (dialog !== opened) {
+      root.replaceChildren(...fresh.childNodes);
+    } else {
+      const focus = root.getRootNode().activeElement;
+      redraw(root, fresh);
+      // An element that is moved loses the focus.
+      if (focus?.isConnected && root.contains(focus)) focus.focus({ preventScroll: true });
+    }
     if (dialog !== opened && dialog) {
       (root.querySelector("[data-autofocus]") ?? root.querySelector("[role=dialog]"))?.focus();
     }
     opened = dialog;
   };
-  model.on("html", draw);
+  const drawing = drawnUnlessPressed(root, draw);
+  releaseSteady(root, drawing.ask);
+  model.on("html", drawing.ask);
+  model.on("remove", drawing.remove);
   draw();
 }

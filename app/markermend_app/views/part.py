@@ -5,15 +5,16 @@ from pathlib import Path
 from typing import Any
 
 import param
-from panel.custom import JSComponent
 
 from markermend_app.style.sheet import STYLESHEET
+from markermend_app.views.component import Component
+from markermend_app.views.javascript import joined
 
 Intent = Callable[[str, Any, Mapping[str, Any]], None]
 """Called with the name of the intention, its argument, and the fields of the form around it."""
 
 
-class Part(JSComponent):
+class Part(Component):
     """Shows `html`; a click on an element with ``data-do`` is sent to `intent`.
 
     Parameters
@@ -28,7 +29,7 @@ class Part(JSComponent):
 
     html = param.String(default="")
 
-    _esm = Path(__file__).with_name("part.js")
+    _esm = joined(Path(__file__).with_name("part.js"))
     _stylesheets = [STYLESHEET]  # noqa: RUF012  (Panel's own convention)
 
     def __init__(
@@ -40,7 +41,7 @@ class Part(JSComponent):
         **params: Any,
     ) -> None:
         super().__init__(html=render(state), **params)
-        self._intent = intent
+        self._intent, self._state = intent, state
 
         def redraw(*_: object) -> None:
             html = render(state)
@@ -50,4 +51,7 @@ class Part(JSComponent):
         state.param.watch(redraw, list(on))
 
     def _handle_msg(self, msg: Mapping[str, Any]) -> None:
+        of = msg.get("of")
+        if of and of != self._state.selected:
+            return  # said of a finding that is no longer at hand
         self._intent(str(msg["do"]), msg.get("arg"), msg.get("fields") or {})

@@ -7,13 +7,13 @@ page's content policy forbids.
 from pathlib import Path
 from typing import ClassVar
 
-from panel.custom import JSComponent
+from markermend_app.views.component import Component
 
 SEEKS = "seeks"
 """Tag of a figure in which a tap moves the cursor there."""
 
 
-class Playheads(JSComponent):
+class Playheads(Component):
     """Moves every Bokeh `Span` with the name ``playhead`` with the frames of the 3D view."""
 
     _esm: ClassVar[Path] = Path(__file__).with_name("playheads.js")

@@ -1,3 +1,5 @@
+import { drawnUnlessPressed } from "./redraw.js";
+
 // A list of any length: only the rows that can be seen exist. Rows are HTML made by Python, which
 // sends the order and those rows that are new or have changed.
 export function render({ model, el }) {
@@ -83,9 +85,10 @@ export function render({ model, el }) {
   list.addEventListener("scroll", draw, { passive: true });
   const observer = new ResizeObserver(draw);
   observer.observe(list);
-  model.on("msg:custom", (table) => { take(table); reveal(); draw(); });
-  model.on("selected", () => { reveal(); draw(); });
-  model.on("remove", () => observer.disconnect());
+  const drawing = drawnUnlessPressed(list, () => { reveal(); draw(); });
+  model.on("msg:custom", (table) => { take(table); drawing.ask(); });
+  model.on("selected", drawing.ask);
+  model.on("remove", () => { observer.disconnect(); drawing.remove(); });
   take(model.table);
   reveal();
   draw();

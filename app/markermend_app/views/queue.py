@@ -6,13 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import param
-from panel.custom import JSComponent
 
 from markermend import curves
 from markermend.model import Finding, short
 from markermend_app.state.desk import Desk
 from markermend_app.style.kinds import KIND_STYLES, glyph
 from markermend_app.style.sheet import STYLESHEET
+from markermend_app.views.component import Component
+from markermend_app.views.javascript import joined
 from markermend_app.views.markup import button, icon, kbd, number, spark
 from markermend_app.views.part import Intent
 
@@ -128,13 +129,13 @@ def _marker(finding: Finding, aside: str = "") -> str:
     return f'<span class="marker" title="{whole}">{name}{aside}</span>'
 
 
-class Queue(JSComponent):
+class Queue(Component):
     """The list; a row is made once and sent when it changes."""
 
     table = param.Dict(default={"ids": [], "changed": {}}, doc="The list as it was at first.")
     selected = param.String(default="")
 
-    _esm = Path(__file__).with_name("queue.js")
+    _esm = joined(Path(__file__).with_name("queue.js"))
     _stylesheets = [STYLESHEET]  # noqa: RUF012  (Panel's own convention)
 
     def __init__(self, desk: Desk, intent: Intent, **params: Any) -> None:

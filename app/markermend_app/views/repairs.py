@@ -41,7 +41,8 @@ def render(desk: Desk) -> str:
         '<div class="repair-columns" aria-hidden="true"><span></span><span>Method</span>'
         '<span class="wide">Expected error here, mm</span><span>Edge mm</span>'
         "<span>Cluster mm</span><span>New</span><span>Time s</span></div>"
-        f'<div class="list" role="group" aria-label="Repairs">{rows}</div></div>'
+        '<div class="list" role="group" aria-label="Repairs" '
+        f'data-steady="{escape(desk.selected)}">{rows}</div></div>'
     )
 
 
@@ -53,12 +54,13 @@ def _row(preview: Preview, desk: Desk) -> str:
         if preview.slow:
             again = '<span class="refused">takes long: try it</span>'
             return (
-                f'<button type="button" class="repair off" data-do="try_slow" '
+                f'<button type="button" class="repair off" {_key(preview)} data-do="try_slow" '
                 f'data-arg="{escape(preview.name)}" title="{escape(preview.summary)}"'
                 f"{' disabled' if desk.comparing else ''}><span></span>{name}{again}</button>"
             )
         return (
-            f'<div class="repair off" title="{escape(preview.summary)}"><span></span>{name}'
+            f'<div class="repair off" {_key(preview)} title="{escape(preview.summary)}">'
+            f"<span></span>{name}"
             '<span class="refused">…</span></div>'
         )
     trust, checks = preview.trust, preview.checks
@@ -75,10 +77,16 @@ def _row(preview: Preview, desk: Desk) -> str:
     escaped = [cell if cell.startswith(("<", "&")) else escape(cell) for cell in cells]
     values = "".join(f"<span>{cell}</span>" for cell in escaped)
     return (
-        f'<button type="button" class="repair" role="radio" aria-checked="{str(chosen).lower()}" '
-        f'data-do="choose" data-arg="{escape(preview.name)}" title="{escape(_tip(preview))}">'
+        f'<button type="button" class="repair" {_key(preview)} role="radio" '
+        f'aria-checked="{str(chosen).lower()}" data-do="choose" data-arg="{escape(preview.name)}" '
+        f'title="{escape(_tip(preview))}">'
         f"<span>{star}</span>{name}{values}</button>"
     )
+
+
+def _key(preview: Preview) -> str:
+    """Give what the row is known by, wherever it comes to stand."""
+    return f'data-key="{escape(preview.name)}"'
 
 
 def _tip(preview: Preview) -> str:
@@ -132,7 +140,7 @@ def artefacts(checks: Checks) -> str:
 def _refused(preview: Preview) -> str:
     reason = escape(preview.reason)
     return (
-        f'<div class="repair off" title="{reason}"><span></span><span class="name">'
+        f'<div class="repair off" {_key(preview)} title="{reason}"><span></span><span class="name">'
         f'{escape(preview.title)}</span><span class="refused">{reason}</span></div>'
     )
 
@@ -152,7 +160,7 @@ def verdict(desk: Desk) -> str:
         names = " and ".join(short(m) for m in (finding.marker, *(m for m, _ in desk.repair.also)))
         said = f"Swap {names} back"
     return (
-        '<div class="verdicts">'
+        f'<div class="verdicts" data-steady="{escape(desk.selected)}">'
         + button("accept", escape(said), classes="deed primary", disabled=not ready)
         + button("reject", "False alarm", classes="deed", disabled=finding is None)
         + button("leave", "Leave gap", classes="deed", disabled=finding is None)

@@ -329,6 +329,7 @@ function debugging(scene) {
     owner: scene,
     get frame() { return scene.drawnFrame; },
     get drawn() { return scene.drawn; },
+    get playing() { return scene.player.playing; },
     get renderer() { return scene.painter?.name ?? null; },
     get ready() { return scene.drawnFrame >= 0; },
     get selected() { return scene.picture.selected; },

@@ -25,10 +25,10 @@ from typing import Any, ClassVar
 import numpy as np
 import param
 from numpy.typing import NDArray
-from panel.custom import JSComponent
 from panel.models.vtk import AbstractVTKPlot
 
 from markermend_app.plots import scene as meshes
+from markermend_app.views.component import Component
 from markermend_app.views.javascript import joined
 
 Array = NDArray[np.float64]
@@ -68,7 +68,7 @@ class Focus:
     repaired: Array | None = None
 
 
-class SceneView(JSComponent):
+class SceneView(Component):
     """The 3D view of one take; give it one with `show_take`, and findings with `show_focus`.
 
     Parameters
