@@ -1,35 +1,18 @@
-"""The server: on the loopback, one desk per page."""
+"""The server of one person: on the loopback, one desk per page."""
 
 import importlib.util
-import socket
+import threading
 from collections.abc import Callable
-
-import panel as pn
+from typing import Any
 
 from markermend.errors import BadInput
-from markermend_app.state.desk import Desk
+from markermend_app.serving.doors import loopback_doors
+from markermend_app.serving.login import Gate
+from markermend_app.serving.server import Serving, free_port, make, new_secret
+from markermend_app.serving.session import Begin, visit
 from markermend_app.state.workspace import Workspace
-from markermend_app.views.page import build
 
 ADDRESS = "127.0.0.1"
-
-
-def free_port(wanted: int | None) -> int:
-    """Give the port that was asked for, or one that nobody uses.
-
-    Raises
-    ------
-    BadInput
-        If the port that was asked for is taken.
-    """
-    with socket.socket() as probe:
-        try:
-            probe.bind((ADDRESS, wanted or 0))
-        except OSError:
-            raise BadInput(
-                f"Port {wanted} is in use; give another with --port, or leave it out."
-            ) from None
-        return int(probe.getsockname()[1])
 
 
 def serve(
@@ -38,6 +21,7 @@ def serve(
     port: int | None = None,
     show: bool = True,
     window: bool = False,
+    begin: Begin | None = None,
     ready: Callable[[str], None] = lambda _: None,
 ) -> None:
     """Serve the application until it is interrupted.
@@ -53,6 +37,8 @@ def serve(
     window
         Whether to open a window of its own instead, where pywebview is installed; closing it ends
         the server.
+    begin
+        Called with the desk of each page that is loaded; by default the first take is opened.
     ready
         Called with the address before the first page is served.
 
@@ -63,42 +49,44 @@ def serve(
     """
     if window and importlib.util.find_spec("webview") is None:
         raise BadInput("A window of its own needs pywebview: install it, or leave --window out.")
-    pn.extension("vtk", notifications=False)
-    port = free_port(port)
-    ready(f"http://localhost:{port}/")
-    server = pn.serve(
-        {"/": lambda: page(workspace)},
-        title="MarkerMend",
-        address=ADDRESS,
-        port=port,
-        show=show and not window,
-        threaded=window,
-        websocket_origin=[f"{host}:{port}" for host in ("localhost", ADDRESS)],
-        verbose=False,
+    port = free_port(ADDRESS, port)
+    address = f"http://localhost:{port}/"
+    secret = new_secret()
+    serving = Serving(
+        ADDRESS, port, loopback_doors(port), Gate(None, secret), workspace.store, secret
     )
+
+    def start(**options: Any) -> Any:
+        server = make(serving, lambda: visit(workspace, None, serving.metrics, begin), **options)
+        server.start()
+        ready(address)
+        return server
+
     if window:
-        _show_window(f"http://localhost:{port}/")
-        server.stop()
+        _in_a_window(start, address)
+        return
+    server = start(show=show)
+    server.io_loop.start()
 
 
-def _show_window(address: str) -> None:
-    """Show the page in a native window until it is closed."""
+def _in_a_window(start: Callable[[], Any], address: str) -> None:
+    """Show the page in a native window until it is closed; the server has a thread of its own."""
+    import asyncio
+
     import webview
 
+    loops: list[Any] = []
+    up = threading.Event()
+
+    def run() -> None:
+        asyncio.set_event_loop(asyncio.new_event_loop())
+        server = start()
+        loops.append(server.io_loop)
+        up.set()
+        server.io_loop.start()
+
+    threading.Thread(target=run, daemon=True).start()
+    up.wait()
     webview.create_window("MarkerMend", address, width=1600, height=1000)
     webview.start()
-
-
-def page(workspace: Workspace) -> pn.Template:
-    """Make the page of a new visitor and open the first take."""
-    document = pn.state.curdoc
-
-    def schedule(task: Callable[[], None]) -> None:
-        document.add_next_tick_callback(task)
-
-    desk = Desk(workspace, schedule)
-    template = build(desk)
-    pn.state.on_session_destroyed(lambda _: desk.close())
-    if workspace.paths:
-        pn.state.onload(lambda: desk.open(workspace.paths[0]))
-    return template
+    loops[0].add_callback(loops[0].stop)

@@ -29,10 +29,13 @@ class Person:
         Under which decisions are kept.
     role
         What the person is in the lab.
+    signed_in
+        Whether by a login, which can be ended.
     """
 
     name: str
     role: Role = "operator"
+    signed_in: bool = False
 
     def may(self, what: Right) -> bool:
         """Say whether the role allows something."""
