@@ -10,7 +10,7 @@ STAMP := $(VENV)/.installed
 # One thread per numerical library: the tests run side by side already.
 THREADS := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 
-.PHONY: run test lint fast browser bench clean help
+.PHONY: run test lint fast browser bench trust clean help
 
 help:  ## List the commands
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -42,6 +42,9 @@ browser: $(STAMP)  ## The page in a real browser; gets a Chromium if none is the
 
 bench: $(STAMP)  ## Speed and memory, as ratios
 	$(THREADS) $(BIN)/python -m tests.bench.desk --json bench-desk.json
+
+trust: $(STAMP)  ## Hardening with figures: hostile files, exports, reviews, numerics (80 minutes)
+	$(THREADS) $(BIN)/python -m tests.trust
 
 clean:  ## Remove what the commands above made
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis dist

@@ -17,11 +17,40 @@
 Messages follow one grammar: what is wrong, with the value that was given, then what would help.
 """
 
+import unicodedata
 from collections.abc import Iterable
+
+_MOST_NAMES, _LONGEST_NAME = 60, 100
+_SPACES = {"Cc", "Zl", "Zp"}
+"""Categories of Unicode of what moves the pen: tabs, line ends, terminal codes."""
+
+
+def legible(text: str) -> str:
+    """Give a text without what cannot be seen, for it may come from a file of anybody's.
+
+    Control characters and line ends become spaces; marks that turn the direction of writing or
+    have no width vanish; halves of surrogate pairs become U+FFFD. Letters of every script stay.
+    """
+    if text.isprintable():
+        return text
+    return "".join(map(_legible, text))
+
+
+def _legible(character: str) -> str:
+    category = unicodedata.category(character)
+    if category in _SPACES:
+        return " "
+    return {"Cf": "", "Cs": "\N{REPLACEMENT CHARACTER}"}.get(category, character)
 
 
 class MarkerMendError(Exception):
-    """Base of all errors that MarkerMend raises on purpose."""
+    """Base of all errors that MarkerMend raises on purpose.
+
+    A message may quote a file or its name; whatever in it cannot be seen is left out.
+    """
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(legible(message))
 
 
 class BadInput(MarkerMendError, ValueError):
@@ -52,7 +81,11 @@ class UnknownName(BadInput):
     @classmethod
     def among(cls, what: str, given: str, known: Iterable[str]) -> "UnknownName":
         """Say which names would have been right."""
-        return cls(f"There is no {what} {given!r}; known are {', '.join(known) or 'none'}.")
+        names = list(known)
+        said = ", ".join(names[:_MOST_NAMES]) or "none"
+        if len(names) > _MOST_NAMES:
+            said += f" and {len(names) - _MOST_NAMES} more"
+        return cls(f"There is no {what} {given[:_LONGEST_NAME]!r}; known are {said}.")
 
 
 class BadParameter(BadInput):

@@ -10,11 +10,16 @@ from pathlib import Path
 
 import numpy as np
 
-from markermend.errors import BadInput, Lacking
+from markermend.errors import BadInput, Lacking, legible
 from markermend.model import MM_PER_UNIT, BoolArray, Event, FloatArray, Role, Source, Take
 
 FARTHEST = 1e7
 """Coordinates beyond this, in whatever unit, are no positions: ten kilometres in mm."""
+
+LONGEST_LABEL = 256
+"""Characters; the rest of a longer label is cut off."""
+
+_LONGEST_QUOTE = 60
 
 _UNIT_NAMES = {
     "mm": "mm",
@@ -138,9 +143,10 @@ def unique_labels(names: Sequence[str]) -> tuple[str, ...]:
     """Make labels unique in file order: ``NAME``, ``NAME#2``, ``NAME#3``.
 
     A point without a name becomes ``*n``, n its 1-based place, as programs name a trajectory that
-    nobody labelled.
+    nobody labelled. What cannot be seen in a label is left out, and a very long one is cut.
     """
-    named = [name.strip() or f"*{i}" for i, name in enumerate(names, 1)]
+    cut = (quoted(name, LONGEST_LABEL) for name in names)
+    named = [name or f"*{i}" for i, name in enumerate(cut, 1)]
     taken, counts, labels = set(named), Counter[str](), []
     for name in named:
         counts[name] += 1
@@ -153,6 +159,13 @@ def unique_labels(names: Sequence[str]) -> tuple[str, ...]:
             taken.add(label)
         labels.append(label)
     return tuple(labels)
+
+
+def quoted(text: str, longest: int = _LONGEST_QUOTE) -> str:
+    """Give what a file says as a label or a message may show it: legible, and not too long."""
+    if len(text) > longest:
+        text = f"{text[: longest - 1]}…"
+    return legible(text).strip()
 
 
 def seen_only(
@@ -199,5 +212,5 @@ def sha256_of(path: Path) -> str:
 
 
 def warned(contents: Iterable[str]) -> tuple[str, ...]:
-    """Keep each warning once, in order."""
-    return tuple(dict.fromkeys(contents))
+    """Keep each warning once, in order, without what cannot be seen."""
+    return tuple(dict.fromkeys(map(legible, contents)))

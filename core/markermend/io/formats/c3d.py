@@ -14,6 +14,7 @@ from markermend.io.c3d_numbers import from_floats, to_floats
 from markermend.io.c3d_writer import write_c3d
 from markermend.io.contents import (
     Contents,
+    quoted,
     seen_only,
     unique_labels,
     unit_name,
@@ -53,9 +54,8 @@ def open_c3d(path: Path, reading: Reading) -> Contents:
     texts = layout.parameters.texts
     said_unit = next(iter(texts.get("POINT:UNITS", ())), "")
     units = unit_name(said_unit)
-    unit_warnings = (
-        [f"The file's unit {said_unit!r} is not known."] if said_unit and units is None else []
-    )
+    unknown = said_unit and units is None
+    unit_warnings = [f"The file's unit {quoted(said_unit)!r} is not known."] if unknown else []
     return Contents(
         path=path,
         format="c3d",

@@ -10,12 +10,26 @@ from typing import Any
 import numpy as np
 
 from markermend.errors import UnreadableTake
-from markermend.io.contents import Contents, seen_only, sha256_of, unique_labels, unit_name, warned
+from markermend.io.contents import (
+    Contents,
+    quoted,
+    seen_only,
+    sha256_of,
+    unique_labels,
+    unit_name,
+    warned,
+)
 from markermend.io.format import Format, Reading
 from markermend.io.limits import MOST_SAMPLES, check_size
 from markermend.io.roles import roles_of
 from markermend.model import Event, Role, Take
 
+_NAMES = (
+    *("positions", "labels", "rate", "units", "first_frame", "roles"),
+    *("event_labels", "event_times_s", "event_contexts"),
+)
+"""What is read of an archive; whatever else is in it costs nothing."""
+_MOST_BYTES = 32 * MOST_SAMPLES
 _ROLES: tuple[Role, ...] = ("measured", "unlabelled", "model")
 
 
@@ -34,9 +48,7 @@ def open_npz(path: Path, _reading: Reading) -> Contents:
     """
     arrays = _arrays(path)
     if "positions" not in arrays:
-        raise UnreadableTake(
-            f"{path.name} has no array 'positions'; it holds {', '.join(arrays) or 'nothing'}."
-        )
+        raise UnreadableTake(f"{path.name} has no array 'positions'; give it that name.")
     positions = arrays["positions"]
     if positions.ndim != 3 or positions.shape[2] not in (2, 3) or positions.dtype.kind not in "fiu":
         raise UnreadableTake(
@@ -75,20 +87,33 @@ def _arrays(path: Path) -> dict[str, np.ndarray[Any, Any]]:
     """Load all arrays, once their headers promise no more than the archive holds."""
     try:
         with zipfile.ZipFile(path) as archive:
-            for member in archive.infolist():
+            sizes = [
                 _check_header(path, archive, member)
+                for member in archive.infolist()
+                if member.filename.removesuffix(".npy") in _NAMES
+            ]
+        if sum(sizes) > _MOST_BYTES:
+            raise UnreadableTake(
+                f"The arrays in {path.name} claim {sum(sizes) / 1e9:.1f} GB together, more than "
+                "one take may have; cut the recording into parts."
+            )
         with np.load(path, allow_pickle=False) as stored:
-            return {name: stored[name] for name in stored.files}
+            return {name: stored[name] for name in stored.files if name in _NAMES}
     except UnreadableTake:
         raise
     # A broken archive raises almost anything; what zipfile and numpy document is here.
     except (OSError, ValueError, zipfile.BadZipFile, NotImplementedError, EOFError) as error:
-        raise UnreadableTake(f"{path.name} is no archive of plain arrays: {error}.") from None
+        raise UnreadableTake(
+            f"{path.name} is no archive of plain arrays: {quoted(str(error), 200)}."
+        ) from None
     except (zlib.error, MemoryError, RuntimeError, KeyError) as error:
-        raise UnreadableTake(f"{path.name} is a broken archive ({error}).") from None
+        raise UnreadableTake(
+            f"{path.name} is a broken archive ({quoted(str(error), 200)})."
+        ) from None
 
 
-def _check_header(path: Path, archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> None:
+def _check_header(path: Path, archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> int:
+    """Give the bytes that one array claims, once they are no more than are there."""
     with archive.open(member) as file:
         version = np.lib.format.read_magic(file)
         if version == (1, 0):
@@ -100,11 +125,12 @@ def _check_header(path: Path, archive: zipfile.ZipFile, member: zipfile.ZipInfo)
     if dtype.hasobject:
         raise ValueError(f"{member.filename} holds objects")
     size = math.prod(shape) * dtype.itemsize
-    if size > min(member.file_size, 32 * MOST_SAMPLES):
+    if size > min(member.file_size, _MOST_BYTES):
         raise UnreadableTake(
             f"{member.filename} in {path.name} claims {size / 1e9:.1f} GB, more than is there or "
             "than one take may have."
         )
+    return size
 
 
 def _number(arrays: dict[str, np.ndarray[Any, Any]], name: str) -> float | None:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from markermend.errors import CannotWrite, UnreadableTake
+from markermend.io.contents import quoted
 from markermend.io.table import Table, find_rows
 from markermend.io.text_format import Parsed, number_in, text_format
 from markermend.io.textfile import TextFile
@@ -32,7 +33,7 @@ def parse(text: TextFile) -> Parsed:
     included = " ".join(said.get("DATA_INCLUDED", ["3D"])).strip()
     if included.upper() != "3D":
         raise UnreadableTake(
-            f"The QTM file holds {included} data, not 3D; export the 3D data from QTM."
+            f"The QTM file holds {quoted(included)} data, not 3D; export the 3D data from QTM."
         )
     names = [name.strip() for name in said.get("MARKER_NAMES", ())]
     while names and not names[-1]:

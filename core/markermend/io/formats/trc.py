@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 
 from markermend.errors import CannotWrite, UnreadableTake
-from markermend.io.contents import unit_name
+from markermend.io.contents import quoted, unit_name
 from markermend.io.table import Table, find_rows
 from markermend.io.text_format import Parsed, number_in, rate_of_times, text_format
 from markermend.io.textfile import TextFile
@@ -73,7 +73,7 @@ def parse(text: TextFile) -> Parsed:
     rate, rate_warnings = _rate(number_in([said.get("datarate", "")], 0), table)
     units = unit_name(said.get("units"))
     if units is None and "units" in said:
-        warnings.append(f"The file's unit {said['units']!r} is not known.")
+        warnings.append(f"The file's unit {quoted(said['units'])!r} is not known.")
     first = number_in(table.cells(table.rows[0]), 0)
     return Parsed(table, names, rate, units, int(first or 0), warnings=[*warnings, *rate_warnings])
 

@@ -1,0 +1,27 @@
+"""What an error may quote, and how much of it."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from markermend.errors import BadInput, UnknownName, legible
+
+
+@given(st.text())
+def test_a_message_holds_nothing_that_cannot_be_seen(text: str) -> None:
+    said = str(BadInput(text))
+    assert said == legible(said)
+    assert not set(said) & set("\n\r\t\0\x1b\u202e\u2066\u200b\ufeff\u2028")
+    said.encode()  # no halves of surrogate pairs
+
+
+def test_letters_of_every_script_stay() -> None:
+    for text in ("Knie links", "كاحل", "קרסול", "膝", "genou é", "a\xa0b"):
+        assert legible(text) == text
+    assert legible("a\u202eb\nc\ud800") == "ab c\ufffd"
+
+
+def test_many_names_are_not_all_said() -> None:
+    said = str(UnknownName.among("marker", "x" * 5000, [f"m{i}" for i in range(20_000)]))
+    assert len(said) < 700
+    assert said.endswith("and 19940 more.")
+    assert str(UnknownName.among("kind", "q", [])) == "There is no kind 'q'; known are none."
