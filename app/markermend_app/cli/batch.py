@@ -13,6 +13,7 @@ from markermend.batch.hand import TIME_LIMIT_S
 from markermend.batch.policy import read_policy
 from markermend.batch.settings import Settings
 from markermend.errors import BadInput
+from markermend.io.disk import write_whole
 from markermend.io.jsontext import json_text
 from markermend.model import KINDS
 from markermend_app.cli.common import kinds, lacking, positive, warn, whole
@@ -93,8 +94,10 @@ def run(options: argparse.Namespace) -> int:
         ignore_residuals=options.ignore_residuals,
         policy=None if options.repair is None else read_policy(options.repair, options.most_mm),
     )
+    from markermend.batch.overview import overview
     from markermend.batch.run import run as run_batch
     from markermend.review.store import Store
+    from markermend_app.plots.archive_page import archive_page
 
     with Store(options.store) as store, _Bar() as bar:
         outcome = run_batch(
@@ -107,6 +110,11 @@ def run(options: argparse.Namespace) -> int:
             limit_s=options.time_limit,
             progress=bar.move,
         )
+        if options.out is not None:
+            seen = overview(store, options.folder)
+            assert seen is not None
+            page = archive_page(seen).encode("utf-8", "replace")
+            write_whole(options.out / PAGE, page, overwrite=True)
     record = outcome.to_json()
     if options.json:
         put(json_text(record))
@@ -123,7 +131,9 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _warn(word: str, entries: Sequence[dict[str, str]]) -> None:
-    warn(f"{word}: {entry['take']}: {entry['reason']}" for entry in entries[:MOST_SAID])
+    for entry in entries[:MOST_SAID]:
+        reason = entry["reason"].removeprefix(f"{Path(entry['take']).name}: ")
+        warn([f"{entry['take']} {word}: {reason}"])
     if len(entries) > MOST_SAID:
         warn([f"{len(entries) - MOST_SAID} more were {word}; the summary names them all."])
 

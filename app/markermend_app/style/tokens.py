@@ -50,8 +50,12 @@ for _theme, _tokens in TOKENS.items():
 
 def css_variables() -> str:
     """Give both themes as CSS custom properties."""
-    rules = []
-    for theme, tokens in TOKENS.items():
-        body = "".join(f"--{name}:{value};" for name, value in tokens.items())
-        rules.append(f'[data-theme="{theme}"]{{color-scheme:{theme};{body}}}')
-    return "\n".join(rules)
+    return "\n".join(
+        f'[data-theme="{theme}"]{{color-scheme:{theme};{theme_variables(theme)}}}'
+        for theme in TOKENS
+    )
+
+
+def theme_variables(theme: str) -> str:
+    """Give one theme as CSS custom properties, without a rule around them."""
+    return "".join(f"--{name}:{value};" for name, value in TOKENS[theme].items())

@@ -3,8 +3,10 @@
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from datetime import datetime
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -70,10 +72,14 @@ class Overview:
         The archive.
     lines
         All takes, by name.
+    settings, begun
+        How it was looked at, as `Settings.to_json`, and when that was begun.
     """
 
     folder: Path
     lines: tuple[Line, ...]
+    settings: Mapping[str, Any]
+    begun: datetime
 
     @cached_property
     def worst_first(self) -> tuple[Line, ...]:
@@ -156,7 +162,10 @@ def overview(store: Store, folder: Path) -> Overview | None:
     """Give the archive that a folder was last looked at as, or None if it never was."""
     folder = folder.resolve()
     archive = records.latest(store, folder)
-    return None if archive is None else Overview(folder, records.lines(store, archive))
+    if archive is None:
+        return None
+    lines = records.lines(store, archive.id)
+    return Overview(folder, lines, archive.settings, archive.begun)
 
 
 def _plus(one: Sum, cells: Iterable[tuple[int, float]]) -> Sum:

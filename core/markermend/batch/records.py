@@ -39,6 +39,15 @@ class Line:
     summary: Mapping[str, Any]
 
 
+@dataclass(frozen=True)
+class Archive:
+    """A folder that was looked at: with which settings, and when that was begun."""
+
+    id: int
+    settings: Mapping[str, Any]
+    begun: datetime
+
+
 def begin(store: Store, folder: Path, settings: Settings) -> int:
     """Note that an archive is looked at, and give its number."""
     where = storable(folder)
@@ -120,16 +129,16 @@ def forget_others(store: Store, archive: int, names: Iterable[str]) -> None:
             )
 
 
-def latest(store: Store, folder: Path) -> int | None:
-    """Give the number of the archive that was last looked at in a folder, or None."""
+def latest(store: Store, folder: Path) -> Archive | None:
+    """Give the archive that was last looked at in a folder, or None."""
     query = (
-        select(archives.c.id)
+        select(archives.c.id, archives.c.content, archives.c.begun)
         .where(archives.c.folder == storable(folder))
         .order_by(archives.c.begun.desc(), archives.c.id.desc())
         .limit(1)
     )
     rows = store.rows(query)
-    return int(rows[0].id) if rows else None
+    return Archive(rows[0].id, rows[0].content, rows[0].begun) if rows else None
 
 
 def lines(store: Store, archive: int) -> tuple[Line, ...]:

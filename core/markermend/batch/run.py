@@ -51,7 +51,10 @@ class Outcome:
             "failed": self._reasons("failed"),
             "resumed": self.resumed,
             "takes": [
-                {"take": line.name, **{key: line.summary[key] for key in _IN_SHORT}}
+                {
+                    "take": line.name,
+                    **{key: line.summary[key] for key in _IN_SHORT if key in line.summary},
+                }
                 for line in done
             ],
         }
@@ -62,7 +65,7 @@ class Outcome:
         ]
 
 
-_IN_SHORT = ("rate", "n_frames", "n_findings", "damage")
+_IN_SHORT = ("rate", "n_frames", "n_findings", "damage", "n_repaired", "n_stays")
 
 
 @dataclass(frozen=True)

@@ -111,12 +111,15 @@ def _work(task: Task) -> Result:
     if asked.policy is not None and task.target is not None:
         repaired = _repair(take, found, asked.policy, task.target)
     record = encodable(detection_record(take, task.path.name, listed))
+    summary = summarise(take, listed)
+    if repaired is not None:
+        summary |= {"n_repaired": repaired["n_repaired"], "n_stays": len(repaired["stays"])}
     return Result(
         task.name,
         "done",
         sha256=take.content_hash,
         findings=record,
-        summary=encodable(summarise(take, listed)),
+        summary=encodable(summary),
         repaired=repaired,
     )
 
