@@ -25,6 +25,8 @@ COMMANDS = {
     "batch": "detect, and repair by a policy, over an archive of takes",
     "evaluate": "repeat the published experiments and benchmarks, as tables",
     "simulate": "make a take of a walking or sitting person, with known artefacts",
+    "serve": "serve an archive to the people of a lab",
+    "account": "let somebody in at a lab's server",
     "train": "practise on a take whose truth is known, and be graded",
     "agree": "compare what several operators decided on one take",
 }

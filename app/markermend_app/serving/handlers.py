@@ -20,8 +20,9 @@ from markermend_app.serving.metrics import Metrics
 OURS_ALONE = ("bokeh-token", "bokeh-session-id")
 """Arguments with which a visitor would choose the session; this server gives out sessions."""
 STORE_ANSWERS_WITHIN_S = 5.0
-Elsewhere = Callable[[str], str | None]
-"""Name of a person -> address of the process that serves that person; None if it is this one."""
+Elsewhere = Callable[[str, str], str | None]
+"""Name of a person and of the host as it was asked for -> address of the process that serves that
+person; None if it is this one."""
 
 
 class Page(Careful, DocHandler):  # type: ignore[misc]
@@ -47,7 +48,7 @@ class Page(Careful, DocHandler):  # type: ignore[misc]
             )
             return
         elsewhere: Elsewhere = self.settings["elsewhere"]
-        if person is not None and (address := elsewhere(person.name)):
+        if person is not None and (address := elsewhere(person.name, self.request.host_name)):
             self.redirect(address)
 
 

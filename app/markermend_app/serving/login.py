@@ -188,8 +188,8 @@ class Basic(BasicAuthProvider):  # type: ignore[misc]
     """Panel's login by name and password, of the people of a file."""
 
     def __init__(self, gate: Gate) -> None:
-        super().__init__()
         self._gate = gate
+        super().__init__()
 
     @property
     def get_user(self) -> Any:
@@ -211,8 +211,8 @@ class Oauth(OAuthProvider):  # type: ignore[misc]
     """Panel's login by an identity provider, for the people of a file."""
 
     def __init__(self, gate: Gate) -> None:
-        super().__init__()
         self._gate = gate
+        super().__init__()
 
     @property
     def get_user_async(self) -> Any:

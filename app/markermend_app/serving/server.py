@@ -66,7 +66,7 @@ class Serving:
     store: Store
     secret: str
     provider: str = ""
-    elsewhere: Elsewhere = lambda _: None
+    elsewhere: Elsewhere = lambda _name, _host: None
     metrics: Metrics = field(default_factory=Metrics)
 
 

@@ -7,6 +7,7 @@ import panel as pn
 
 from markermend_app.serving.login import PERSON
 from markermend_app.serving.metrics import Metrics
+from markermend_app.state.intents import perform
 from markermend_app.state.people import Person
 from markermend_app.state.second_review import Comparing
 from markermend_app.state.workspace import Workspace
@@ -30,7 +31,8 @@ def visit(
     metrics
         Counts visitors.
     begin
-        Called with the desk once the page is loaded; by default the first take is opened.
+        Called with the desk once the page is loaded; by default the archive is shown as a whole,
+        or the first take is opened.
 
     Raises
     ------
@@ -62,6 +64,8 @@ def visit(
     document.on_session_destroyed(leave)
     if begin is not None:
         pn.state.onload(lambda: begin(desk))
+    elif workspace.archive is not None:
+        pn.state.onload(lambda: perform(desk, "archive"))
     elif workspace.paths:
         pn.state.onload(lambda: desk.open(workspace.paths[0]))
     return page

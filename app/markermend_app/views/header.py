@@ -63,6 +63,7 @@ def render(desk: Desk) -> str:
             button("help", '<span class="small-out">Help</span>', title="All keys"),
             button("theme", icon("theme"), title="Light or dark"),
             button("export", "Export…", classes="tool boxed", disabled=take is None),
+            _leave(desk),
         )
     )  # fmt: skip
     return (
@@ -76,6 +77,14 @@ def render(desk: Desk) -> str:
         + f'<span class="quiet num small-out">{facts}</span></div>'
         f'<div class="progress">{progress}</div><div class="tools">{tools}</div></div>'
     )
+
+
+def _leave(desk: Desk) -> str:
+    """Give the way out, where there was a login."""
+    if not desk.person.signed_in:
+        return ""
+    who = f"{desk.person.name}, {desk.person.role}"
+    return f'<a class="tool" href="./logout" title="{escape(who)}">Log out</a>'
 
 
 def _time_left(pace_s: float | None, n_open: int) -> str:
