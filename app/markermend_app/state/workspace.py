@@ -15,6 +15,7 @@ from markermend.repairing import REPAIRS
 from markermend.review.session import ReviewSession
 from markermend.review.store import Store
 from markermend.review.triage import Triage, learn
+from markermend_app.state.archive import Archive
 from markermend_app.state.reach import Reach
 
 Progress = Callable[[str], None]
@@ -89,6 +90,8 @@ class Workspace:
         The folder that can be reached from a page; by default all of the disk.
     most_upload
         How large a file may be that is dropped on a page, bytes.
+    archive
+        What a batch found in the folder that the files lie in, or None.
     """
 
     KEPT = 3
@@ -106,11 +109,12 @@ class Workspace:
         ahead: int = 3,
         reach: Reach | None = None,
         most_upload: int = MOST_DROPPED_BYTES,
+        archive: Archive | None = None,
     ) -> None:
         self.store, self.paths, self.detector = store, paths, detector
         self.methods, self.ahead = REPAIRS.names() if methods is None else methods, ahead
         self.units, self.rate, self.ignore_residuals = units, rate, ignore_residuals
-        self.reach, self.most_upload = reach, most_upload
+        self.reach, self.most_upload, self.archive = reach, most_upload, archive
         self._lock = threading.Lock()
         self._kept: OrderedDict[tuple[object, ...], Opened] = OrderedDict()
 

@@ -29,8 +29,18 @@ def choose(desk: Desk) -> str:
         '<div class="body"><input type="text" class="field" name="path" data-autofocus '
         'aria-label="Path of a recording" placeholder="Path of a recording" spellcheck="false">'
         f'<div class="list">{sections}</div></div>'
-        + footer(closing("Cancel"), button("open", "Open", classes="deed primary", key=False))
+        + footer(
+            _to_archive(desk),
+            closing("Cancel"),
+            button("open", "Open", classes="deed primary", key=False),
+        )
     )
+
+
+def _to_archive(desk: Desk) -> str:
+    if desk.workspace.archive is None:
+        return ""
+    return button("archive", "The whole archive", classes="deed", key=False)
 
 
 def _place(place: Place, desk: Desk) -> str:
