@@ -118,7 +118,9 @@ class Bench:
     @cached_property
     def reference(self) -> Blend | None:
         """The mix by which the best known fill is made, with its errors on its own pseudo-gaps."""
-        return None if self._around is None else tested(self._around)
+        if self._around is None:
+            return None
+        return tested(self._around, self.problem.training)
 
     def reference_outcome(self) -> Outcome:
         """Give what the reference method fills in.

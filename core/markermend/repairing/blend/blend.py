@@ -102,8 +102,8 @@ def blend(around: Scene) -> Blend | None:
     chosen, weights = mix(turned.reshape(len(pool), len(pseudo), -1))
     members = [(ways[pool[c][0]], recipes[finalists[pool[c][1]]]) for c in chosen]
     fills = _fills(around, kinds, members)
-    values, here = _mixed(weights, fills)
-    mixed, there = _mixed(weights, turned[chosen])
+    values, here = mixed(weights, fills)
+    left, there = mixed(weights, turned[chosen])
     described = tuple(
         (
             float(weight),
@@ -113,23 +113,23 @@ def blend(around: Scene) -> Blend | None:
     )
     return Blend(
         values,
-        np.linalg.norm(mixed, axis=2),
+        np.linalg.norm(left, axis=2),
         pseudo,
         described,
         around.window.start,
         int(around.rows.sum()),
-        _hardness(float(here.mean()), there.mean(axis=1)),
+        hardness(float(here.mean()), there.mean(axis=1)),
     )
 
 
-def _mixed(weights: FloatArray, members: FloatArray) -> tuple[FloatArray, FloatArray]:
+def mixed(weights: FloatArray, members: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Give the mix of the members, (..., n_dims), and by how much they disagree, (...)."""
-    mixed = np.tensordot(weights, members, axes=1)
-    apart = np.square(members - mixed).sum(axis=-1)
-    return mixed, np.sqrt(np.tensordot(weights, apart, axes=1))
+    whole = np.tensordot(weights, members, axes=1)
+    apart = np.square(members - whole).sum(axis=-1)
+    return whole, np.sqrt(np.tensordot(weights, apart, axes=1))
 
 
-def _hardness(here: float, there: FloatArray) -> FloatArray:
+def hardness(here: float, there: FloatArray) -> FloatArray:
     """Say how much harder the gap is than each pseudo-gap, within the range of these.
 
     Where the members disagree more, all of them err more. The exponent was chosen on other

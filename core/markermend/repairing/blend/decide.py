@@ -1,9 +1,13 @@
 """Decide how a span is filled by default: by a tested mix where one can be tested."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from markermend.errors import CannotRepair
+from markermend.model import Take
 from markermend.repairing.blend.blend import Blend, blend
+from markermend.repairing.blend.bridge import bridge
 from markermend.repairing.blend.fixed import between_edges
 from markermend.repairing.blend.scene import Scene, survey
 from markermend.repairing.blend.short import share_of_tested, short, with_filled_neighbours
@@ -18,16 +22,18 @@ def decide(problem: Problem) -> Outcome:
     """Fill the span by the best means that it allows; see `markermend.repairing.methods.auto`."""
     around = survey(window(problem))
     _check(around)
-    return outcome(around, tested(around))
+    return outcome(around, tested(around, problem.training))
 
 
-def tested(around: Scene) -> Blend | None:
+def tested(around: Scene, training: Sequence[Take]) -> Blend | None:
     """Give the mix that does best on pseudo-gaps; None where none can be hidden.
 
-    Where little is seen, the gaps of the neighbours are filled first, so that they count.
+    Where little is seen, the gaps of the neighbours are filled first, so that they count. Takes to
+    learn from help where no neighbour is seen.
     """
     if _blacked_out(around) or _share(around) == 1.0:
-        return blend(around)
+        across = None if len(around.order) else bridge(around.window, training)
+        return blend(around) if across is None else across
     return blend(with_filled_neighbours(around.window))
 
 
@@ -84,7 +90,10 @@ def _check(around: Scene) -> None:
 def _note(around: Scene, found: Blend) -> str:
     tested = f"of {len(found.pseudo)} pseudo-gaps of {found.pseudo.length} frames on this marker"
     if len(around.order) == 0:
-        return f"No neighbour is seen here; its own motion before and after carries it ({tested})."
+        if not len(found.pseudo):
+            tested = f"of {len(found.errors)} places in the takes to learn from"
+        share, first = max(found.members)
+        return f"No neighbour is seen here. {share:.0%} {first}: the best mix {tested}."
     share, first = max(found.members)
     more = len(found.members) - 1
     others = f" and {more} more" if more else ""

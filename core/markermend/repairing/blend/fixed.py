@@ -6,12 +6,14 @@ from markermend.errors import CannotRepair
 from markermend.model import FloatArray
 from markermend.repairing.blend.ridge import features, ridge
 from markermend.repairing.blend.scene import Scene
-from markermend.repairing.kriging import hermite, krige, matern32
+from markermend.repairing.kriging import cubic, hermite, krige, matern32
 
 NEIGHBOURS = 20
 FRAME_MARKERS = 4
 RIDGE_MM2 = 0.1
 LENGTH_S = 0.4
+BENT_S = 0.6
+"""Gaps up to here are crossed by a spline that keeps the acceleration at its edges."""
 
 
 def regress_and_krige(
@@ -49,7 +51,7 @@ def regress_and_krige(
 
 
 def between_edges(around: Scene) -> FloatArray:
-    """Join value and slope at both edges by one cubic.
+    """Join both edges by a cubic spline, or over longer gaps by the cubic of value and slope.
 
     Raises
     ------
@@ -64,4 +66,5 @@ def between_edges(around: Scene) -> FloatArray:
             "choose pchip, or fill its neighbours first."
         )
     inside = np.arange(cut.span.start, cut.span.stop)
-    return hermite(inside / cut.rate, edge / cut.rate) @ cut.own[edge]
+    way = cubic if len(cut.span) <= BENT_S * cut.rate else hermite
+    return way(inside / cut.rate, edge / cut.rate) @ cut.own[edge]
