@@ -96,6 +96,10 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     Shortcut("commands", ("p",), "find a command", "Take"),
     Shortcut("help", ("?",), "this help", "Take"),
     Shortcut("close", ("Escape",), "close what is open", "Take"),
+    Shortcut("finish", ("Ctrl+Enter",), "finish the exercise, or a second review", "Together"),
+    Shortcut("opinion_1", ("6",), "adjudicate: decide as the first reviewer did", "Together"),
+    Shortcut("opinion_2", ("7",), "adjudicate: decide as the second reviewer did", "Together"),
+    Shortcut("opinion_3", ("8",), "adjudicate: decide as the third reviewer did", "Together"),
 )
 COMMANDS: dict[str, str] = {
     "history": "history of decisions: read it and walk in it",
@@ -105,7 +109,16 @@ COMMANDS: dict[str, str] = {
     "filter_clear": "clear all filters",
     "learning": "order by earlier decisions, or not",
     "report": "write a report of this take",
+    "archive": "the archive as a whole: worst takes, markers that fail",
     "theme": "light or dark",
+    "practise": "practise: an exercise whose truth is known",
+    "practise_help": "exercise: answers after each decision, or at the end",
+    "practise_next": "exercise: the next one, for the weakest kind",
+    "practise_leave": "exercise: leave it without a grade",
+    "feedback": "exercise: what was right and what was not",
+    "second": "second review of this take by somebody else, blinded",
+    "agreement": "compare all reviews of this take",
+    "adjudicate": "adjudicate the reviews that were compared",
 }
 """What the command palette lists beside the shortcuts."""
 

@@ -9,10 +9,14 @@ from markermend.comparing import Agreement, PairAgreement, TableRow, agreement
 from markermend.comparing.compared import SPAN_CLASSES
 from markermend.errors import BadInput
 from markermend.evaluate.matching import IOU
+from markermend.model import Take
 from markermend.review.decisions import Decisions, read_decisions
 from markermend_app.cli.common import json_text, lacking, progress, read
 from markermend_app.cli.crossed import crossed
+from markermend_app.cli.review import refuse_without_the_extra, serve, serving
 from markermend_app.cli.terminal import plain, put, say
+
+SERVING = ("port", "window", "keys", "no_browser", "store")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -51,6 +55,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="searches everybody's version for Table 2 (default: %(default)s)",
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument(
+        "--page",
+        action="store_true",
+        help="show the tables in the browser, and with --take adjudicate where they differ",
+    )
+    serving(parser)
 
 
 def share(text: str) -> float:
@@ -71,6 +81,11 @@ def run(options: argparse.Namespace) -> None:
     if options.expert is not None and options.take is None:
         raise BadInput("--expert needs the take that was reviewed; give it with --take.")
     detection.DETECTORS.get(options.detector)
+    if options.page and options.json:
+        raise BadInput("--json prints and --page shows; leave one of them out.")
+    idle = [name for name in SERVING if getattr(options, name) and not options.page]
+    if idle:
+        raise BadInput(f"--{idle[0].replace('_', '-')} belongs to --page; leave it out.")
     files = [read_decisions(path) for path in options.decisions]
     names = _names(options.decisions, files)
     expert = None
@@ -80,6 +95,9 @@ def run(options: argparse.Namespace) -> None:
             raise BadInput(f"--expert {options.expert} is none of the files; name one of them.")
         expert = names[places.index(options.expert.absolute())]
     take = None if options.take is None else read(options.take, options)
+    if options.page:
+        _show(options, dict(zip(names, files, strict=True)), take, expert)
+        return
     move = progress(len(files), "Repairing")
     result = agreement(
         dict(zip(names, files, strict=True)),
@@ -93,6 +111,23 @@ def run(options: argparse.Namespace) -> None:
         put(json_text(result.to_json()))
     else:
         _print(result)
+
+
+def _show(
+    options: argparse.Namespace,
+    reviews: dict[str, Decisions],
+    take: Take | None,
+    expert: str | None,
+) -> None:
+    refuse_without_the_extra()
+    for decisions in reviews.values():
+        if take is not None:
+            decisions.wishes(take)  # refuses another take here and not on the page
+    from markermend_app.state.compared import Material
+
+    material = Material(reviews, take, options.iou, options.detector)
+    paths = () if options.take is None else (options.take.absolute(),)
+    serve(options, paths, lambda desk: desk.show_agreement(material, expert))
 
 
 def _names(paths: list[Path], files: list[Decisions]) -> list[str]:

@@ -1,12 +1,13 @@
 """``markermend train``: an exercise with known truth, its grade, and what becomes of it over time.
 
-The truth goes into the store of reviews and into no other file.
+The truth goes into the store of reviews and into no other file. Without --out, --grade, --report
+and --group, the exercise is done here and now, in the browser.
 """
 
 import argparse
-import secrets
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tqdm import tqdm
 
@@ -22,19 +23,22 @@ from markermend.train import (
     FAST,
     LEVELS,
     ROWS,
-    Exercise,
     Grade,
+    Request,
     archive,
-    exercise_from_review,
     grade,
     group_table,
-    make_exercise,
     next_exercise,
+    prepare,
     report,
 )
 from markermend_app.cli.common import json_text, kinds, lacking, read, whole
 from markermend_app.cli.crossed import crossed
+from markermend_app.cli.review import refuse_without_the_extra, serve, serving
 from markermend_app.cli.terminal import plain, put, say
+
+if TYPE_CHECKING:
+    from markermend_app.state.second_review import Comparing
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -48,7 +52,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--grade, where the exercise lies now",
     )
     lacking(parser)
-    what = parser.add_mutually_exclusive_group(required=True)
+    what = parser.add_mutually_exclusive_group()
     what.add_argument("--out", metavar="DIR", type=Path, help="write an exercise into this folder")
     what.add_argument(
         "--grade",
@@ -84,18 +88,20 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--quick", action="store_true", help="grade without comparing repairs with other methods"
     )
-    parser.add_argument("--trainee", metavar="NAME", help="default: MARKERMEND_OPERATOR, or you")
     parser.add_argument(
-        "--store",
-        metavar="PATH",
-        help="where reviews are kept (default: MARKERMEND_STORE, else your data folder)",
+        "--trainee",
+        "--operator",
+        dest="trainee",
+        metavar="NAME",
+        help="default: MARKERMEND_OPERATOR, or you",
     )
+    serving(parser)
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--force", action="store_true", help="replace a file that is there")
 
 
 def run(options: argparse.Namespace) -> None:
-    """Do one of the four things."""
+    """Do one of the five things."""
     _refuse_idle(options)
     if options.out is not None:
         _hand_out(options)
@@ -103,8 +109,10 @@ def run(options: argparse.Namespace) -> None:
         _grade(options)
     elif options.report is not None:
         _report(options)
-    else:
+    elif options.group:
         _group(options)
+    else:
+        _practise(options)
 
 
 def _refuse_idle(options: argparse.Namespace) -> None:
@@ -112,11 +120,24 @@ def _refuse_idle(options: argparse.Namespace) -> None:
     making = ("level", "seed", "kinds", "amplitude", "density", "expert")
     given = [name for name in making if getattr(options, name) is not None]
     given += ["hidden"] if options.hidden else []
-    if options.out is None and given:
-        raise BadInput(f"--{given[0]} belongs to --out, which makes an exercise; leave it out.")
+    makes = options.out is not None or not (
+        options.grade is not None or options.report or options.group
+    )
+    if not makes and given:
+        raise BadInput(f"--{given[0]} belongs to an exercise that is made; leave it out.")
+    if makes and options.out is None:
+        idle = [name for name in ("json", "force") if getattr(options, name)]
+        if idle:
+            raise BadInput(f"--{idle[0]} belongs to what prints or writes; leave it out.")
+    else:
+        idle = [name for name in ("port", "window", "keys", "no_browser") if getattr(options, name)]
+        if idle:
+            raise BadInput(
+                f"--{idle[0].replace('_', '-')} belongs to practice in the browser; leave it out."
+            )
     if options.quick and options.grade is None:
         raise BadInput("--quick belongs to --grade; leave it out.")
-    if options.take is not None and options.out is None and options.grade is None:
+    if options.take is not None and not makes and options.grade is None:
         raise BadInput("A report needs no take; leave it out.")
     if options.expert is None:
         return
@@ -129,10 +150,9 @@ def _refuse_idle(options: argparse.Namespace) -> None:
 def _hand_out(options: argparse.Namespace) -> None:
     if not options.out.is_dir():
         raise CannotWrite(f"There is no folder {options.out}; make it, or name another.")
-    wanted = None if options.kinds is None else kinds(options.kinds)
-    take = None if options.take is None else read(options.take, options)
+    request = _request(options)
     with Store(options.store) as store:
-        made, why = _made(options, store, take, wanted)
+        made, why = prepare(request, archive.results(store, _trainee(options)))
         if options.take is not None and made.level == 0:
             name = f"exercise-{options.take.stem}.c3d"
         else:
@@ -147,28 +167,36 @@ def _hand_out(options: argparse.Namespace) -> None:
     say(f"Then grade it with: markermend train {path} --grade")
 
 
-def _made(
-    options: argparse.Namespace, store: Store, take: Take | None, wanted: tuple[str, ...] | None
-) -> tuple[Exercise, str]:
+def _request(options: argparse.Namespace) -> Request:
+    wanted = None if options.kinds is None else kinds(options.kinds)
+    take = None if options.take is None else read(options.take, options)
+    expert = None
     if options.expert is not None and take is not None:
         decisions = read_decisions(options.expert)
         decisions.wishes(take)  # refuses what was decided on another take
-        return exercise_from_review(take, decisions.review, hidden=options.hidden), ""
-    level, why = options.level, ""
-    if level is None:
-        upcoming = next_exercise(archive.results(store, _trainee(options)))
-        level, why = upcoming.level, upcoming.why
-        wanted = upcoming.kinds if wanted is None else wanted
-    made = make_exercise(
-        take,
-        level,
-        secrets.randbelow(2**32) if options.seed is None else options.seed,
-        kinds=wanted,
-        amplitude_mm=options.amplitude,
-        density=options.density,
-        hidden=options.hidden,
-    )
-    return made, why
+        expert = decisions.review
+    return Request(
+        take, options.level, options.seed, wanted, options.amplitude, options.density,
+        options.hidden, expert,
+    )  # fmt: skip
+
+
+def _practise(options: argparse.Namespace) -> None:
+    """Do the exercise in the browser; a page that is loaded again goes on with it."""
+    refuse_without_the_extra()
+    request = _request(options)
+    from markermend_app.state.training import Trainer
+
+    store = Store(options.store)
+    made = prepare(request, archive.results(store, _trainee(options)))
+    trainer = Trainer(store, request, made)
+
+    def begin(desk: "Comparing") -> None:
+        desk.rename(_trainee(options))
+        desk.trainer = trainer
+        desk.practise()
+
+    serve(options, (), begin, store)
 
 
 def _trainee(options: argparse.Namespace) -> str:

@@ -7,6 +7,8 @@ from typing import Any
 from markermend.model import KINDS, Kind
 from markermend_app.state.curves import is_relative
 from markermend_app.state.desk import SIGNALS, VIEWS, Desk
+from markermend_app.state.exercise_intents import EXERCISE_INTENTIONS, WITH_EXERCISE_DIALOG
+from markermend_app.state.people import Right
 from markermend_app.state.queueing import FILTERS
 
 Fields = Mapping[str, Any]
@@ -70,6 +72,15 @@ def _open(desk: Desk, arg: Any, fields: Fields) -> None:
         desk.open(Path(path))
     else:
         desk.fail("Give the path of a recording.")
+
+
+def _archive(desk: Desk, _: Any, __: Fields) -> None:
+    archive = desk.workspace.archive
+    if archive is None:
+        desk.fail("No batch has looked at this folder; markermend batch FOLDER does it.")
+        return
+    archive.look()
+    desk.show("archive")
 
 
 def _span(act: Callable[[Desk, int, int], None]) -> Intention:
@@ -186,6 +197,7 @@ INTENTIONS: Mapping[str, Intention] = {
     "history": lambda desk, arg, fields: desk.show("history") if desk.session else None,
     "history_go": lambda desk, arg, fields: desk.go_to(int(arg)),
     "takes": lambda desk, arg, fields: desk.show_takes(),
+    "archive": _archive,
     "open": _open,
     "cancel": lambda desk, arg, fields: desk.cancel(),
     "export": lambda desk, arg, fields: desk.plan_export(),
@@ -195,9 +207,11 @@ INTENTIONS: Mapping[str, Intention] = {
     "answer_rate": _rate,
     "close": lambda desk, arg, fields: desk.close_dialog(),
     "dismiss": lambda desk, arg, fields: desk.dismiss(),
+    **EXERCISE_INTENTIONS,
 }
 WITH_DIALOG = {
     "close",
+    "archive",
     "note_keep",
     "similar_decide",
     *(f"threshold_{kind}" for kind in KINDS),
@@ -212,11 +226,24 @@ WITH_DIALOG = {
     "answer_rate",
     "theme",
     "prefer_dark",
+    *WITH_EXERCISE_DIALOG,
 }
+
+
+NEEDS: Mapping[str, Right] = dict.fromkeys(
+    [name for name in INTENTIONS if name.startswith(("agreement", "adjudicate", "opinion_"))],
+    "adjudicate",
+)
+"""What not everybody in a lab may ask for."""
 
 
 def perform(desk: Desk, name: str, arg: Any = None, fields: Fields | None = None) -> None:
     """Do what a button or key asks for; while a dialog is open, only what belongs to it."""
     if name not in INTENTIONS or (desk.dialog and name not in WITH_DIALOG):
+        return
+    if name in NEEDS and not desk.person.may(NEEDS[name]):
+        desk.fail(
+            f"That is for reviewers, and {desk.person.name} is {desk.person.role} here; ask one."
+        )
         return
     INTENTIONS[name](desk, arg, fields or {})

@@ -5,14 +5,14 @@ from itertools import groupby
 
 from markermend_app.keys import COMMANDS, in_force, printed
 from markermend_app.state.desk import Desk
-from markermend_app.views import dialogs_findings, dialogs_takes
+from markermend_app.views import dialogs_archive, dialogs_findings, dialogs_takes, exercise
 from markermend_app.views.markup import button, closing, footer, kbd
 
 SHOWS = (
     "dialog", "plan", "asked", "busy", "takes", "similar", "expected", "thresholds", "findings",
     "review", "learning", "chosen", "message",
 )  # fmt: skip
-NARROW = ("note", "ask", "commands", "history")
+NARROW = ("note", "ask", "commands", "history", *exercise.DIALOGS)
 
 
 def render(desk: Desk) -> str:
@@ -24,14 +24,17 @@ def render(desk: Desk) -> str:
         "exported": dialogs_takes.exported,
         "ask": dialogs_takes.ask,
         "open": dialogs_takes.choose,
+        "archive": dialogs_archive.overview,
         "note": dialogs_findings.note,
         "similar": dialogs_findings.similar,
         "thresholds": dialogs_findings.thresholds,
         "history": dialogs_findings.history,
+        **exercise.DIALOGS,
     }.get(desk.dialog)
     if made is None:
         return ""
     size = "dialog narrow" if desk.dialog in NARROW else "dialog"
+    size = "dialog wide" if desk.dialog == "archive" else size
     said = f'<p class="note" role="alert">{escape(desk.message)}</p>' if desk.message else ""
     return (
         f'<div class="scrim"><div class="{size}" role="dialog" aria-modal="true" tabindex="-1" '

@@ -7,10 +7,20 @@ from typing import Any
 import panel as pn
 
 from markermend_app.keys import in_force
-from markermend_app.state.desk import Desk
 from markermend_app.state.intents import perform
+from markermend_app.state.second_review import Comparing
 from markermend_app.style.sheet import PAGE_STYLESHEET
-from markermend_app.views import dialogs, header, queue, repairs, title, transport
+from markermend_app.views import (
+    adjudication,
+    dialogs,
+    exercise,
+    exercise_feedback,
+    header,
+    queue,
+    repairs,
+    title,
+    transport,
+)
 from markermend_app.views.document import Document
 from markermend_app.views.keyboard import KeyListener
 from markermend_app.views.lanes import LanesView, OverviewView
@@ -21,7 +31,7 @@ from markermend_app.views.stage import Stage
 TEMPLATE = Path(__file__).with_name("page.html")
 
 
-def build(desk: Desk) -> pn.Template:
+def build(desk: Comparing) -> pn.Template:
     """Give the page of one desk."""
 
     def intent(name: str, arg: Any, fields: Mapping[str, Any]) -> None:
@@ -52,6 +62,9 @@ def build(desk: Desk) -> pn.Template:
         "because": (repairs.because, repairs.SHOWS),
         "verdict": (repairs.verdict, repairs.VERDICT_SHOWS),
         "dialog": (dialogs.render, dialogs.SHOWS),
+        "strip": (exercise.strip, exercise.STRIP_SHOWS),
+        "opinions": (adjudication.opinions, adjudication.SHOWS),
+        "sheet": (exercise_feedback.sheet, exercise_feedback.SHOWS),
     }
     for name, (render, shows) in parts.items():
         page.add_panel(
@@ -63,6 +76,7 @@ def build(desk: Desk) -> pn.Template:
     page.add_panel("overview", overview.panel)
     page.add_panel("scene", stage.panel)
     page.add_panel("document", Document(desk, intent))
+    page.add_panel("clock", exercise.Clock(desk, margin=0))
     page.add_panel("keyboard", keyboard)
     page.add_panel("playheads", Playheads())
     return page
