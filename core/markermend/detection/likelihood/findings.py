@@ -79,9 +79,10 @@ def _windows(n_frames: int) -> list[tuple[int, int, float, float]]:
     if n_frames <= _WINDOW + _OVERLAP:
         return [(0, n_frames, -np.inf, np.inf)]
     count = -(-(n_frames - _OVERLAP) // (_WINDOW - _OVERLAP))
-    starts = np.linspace(0, n_frames - _WINDOW, count).astype(int)
-    cuts = [-np.inf, *((starts[1:] + starts[:-1] + _WINDOW) / 2), np.inf]
-    return [(int(s), int(s) + _WINDOW, cuts[i], cuts[i + 1]) for i, s in enumerate(starts)]
+    length = -(-(n_frames + (count - 1) * _OVERLAP) // count)
+    starts = np.linspace(0, n_frames - length, count).astype(int)
+    cuts = [-np.inf, *((starts[1:] + starts[:-1] + length) / 2), np.inf]
+    return [(int(s), int(s) + length, cuts[i], cuts[i + 1]) for i, s in enumerate(starts)]
 
 
 def _finding(c: Candidate, piece: Piece, take: Take) -> Finding:

@@ -191,11 +191,17 @@ def predict_marker(
 
 
 def _carrier(positions: FloatArray, markers: NDArray[np.intp]) -> Carrier:
-    """Take the median shape after alignment with the frame of median size."""
+    """Take the median shape after alignment with the frame of median size.
+
+    The axes are that shape's own principal ones, so that nothing depends on those of the lab.
+    """
     points = positions[:, markers]
     b = points - points.mean(1, keepdims=True)
     size = (b * b).sum((1, 2))
-    first = Carrier(markers, b[np.argsort(size, kind="stable")[len(size) // 2]])
+    typical = b[np.argsort(size, kind="stable")[len(size) // 2]]
+    axes = np.linalg.eigh(typical.T @ typical)[1]
+    axes[:, 2] *= np.sign(np.linalg.det(axes))  # turned, not mirrored
+    first = Carrier(markers, typical @ axes)
     some = positions[:: max(1, len(positions) // 200)]
     turn, centre = first.follow(some)
     aligned = np.einsum("ijn,nkj->nki", turn, some[:, markers] - centre[:, None])

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 
 from markermend.detection.likelihood import templates
@@ -21,15 +22,32 @@ _MOST_LABELLED = 0.3
 _QUANTILE_POWER = 0.7
 _ONE_ARTEFACT = 100  # frames at 100 Hz on which one slow change raises the score
 _MASKED = 10  # frames beside a triangle in which no second one is looked for
+_BASE = 5  # frames beside a triangle that must be recorded: without a base it is any drift
 _ECHO = 0.6  # a score that falls below this share was an echo
 
 
 @dataclass(frozen=True, eq=False)
 class Triangles:
-    """The best triangle centred on each frame: (n_markers, n_frames) each."""
+    """Triangles of all lengths on whitened series, three per marker.
+
+    Attributes
+    ----------
+    score, length
+        (n_markers, n_frames): the best triangle centred on each frame.
+    N
+        Length -> (n_series, n_frames): sums over the triangle centred on each frame, 0 where it
+        does not fit.
+    q
+        Length -> (n_series,): energies.
+    box
+        Length -> (n_markers, n): scores of boxes that start at each frame.
+    """
 
     score: FloatArray
-    length: FloatArray
+    length: NDArray[np.intp]
+    N: Mapping[int, FloatArray]
+    q: Mapping[int, FloatArray]
+    box: Mapping[int, FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +63,7 @@ class Hill:
     left
         Largest score left around, as a share of its own.
     size
-        (3,) mm in local axes.
+        (3,) mm along the axes of the marker's series.
     """
 
     marker: int
@@ -73,21 +91,32 @@ def lengths(pace: float) -> tuple[int, ...]:
 
 
 def scan(whitened: Whitened, pace: float) -> Triangles:
-    """Score triangles of all lengths, centred on every frame where they fit."""
+    """Score triangles of all lengths, centred on every frame where they fit, and boxes."""
     total = templates.sums(whitened)
     n = whitened.g.shape[1]
     best = np.zeros((len(total) // 3, n))
     length = np.full(best.shape, lengths(pace)[0])
+    N: dict[int, FloatArray] = {}
+    q: dict[int, FloatArray] = {}
     for L in lengths(pace):
+        N[L] = np.zeros((len(total), n))
+        q[L] = whitened.energy(templates.triangle_template(L))
         if n < L:
             continue
-        shape = templates.triangle_template(L)
-        z = templates.score(templates.triangles(total, L), whitened.energy(shape))
-        part = slice(L // 2, L // 2 + z.shape[1])
+        inner = templates.triangles(total, L)
+        part = slice(L // 2, L // 2 + inner.shape[1])
+        N[L][:, part] = inner
+        z = templates.score(inner, q[L])
         better = z > best[:, part]
         best[:, part] = np.where(better, z, best[:, part])
         length[:, part] = np.where(better, L, length[:, part])
-    return Triangles(best, length)
+    wide = [max(2, round(L * pace)) for L in _BOXES]
+    box = {
+        L: templates.score(templates.boxes(total, L), whitened.energy(np.ones(L)))
+        for L in wide
+        if n > L
+    }
+    return Triangles(best, length, N, q, box)
 
 
 def held_back(score: FloatArray, scale: FloatArray, valid: BoolArray, pace: float) -> FloatArray:
@@ -122,6 +151,7 @@ def find_slow(
     scale: FloatArray,
     triangles: Triangles,
     labelled: BoolArray,
+    axes: FloatArray,
     predictions: Mapping[int, Prediction],
     positions: FloatArray,
     threshold: float,
@@ -138,6 +168,8 @@ def find_slow(
         From `held_back` and `scan`.
     labelled
         (n_markers, n_frames): frames explained by other kinds, or not seen.
+    axes
+        (n_markers, 3, 3): local directions of the three series.
     predictions, positions
         How the residuals were made, and from what (n_frames, n_markers, 3).
     threshold
@@ -154,8 +186,8 @@ def find_slow(
         rivals = [k for k in kept if k.marker != hill.marker and k.overlaps(hill)]
         wins = True
         for rival in rivals:
-            here = _explained(hill, rival, whitened, predictions, positions)
-            there = _explained(rival, hill, whitened, predictions, positions)
+            here = _explained(hill, rival, whitened, axes, predictions, positions)
+            there = _explained(rival, hill, whitened, axes, predictions, positions)
             if min(here, there) >= _ECHO:
                 continue
             # Whichever of the two leaves less of both is the cause.
@@ -181,56 +213,90 @@ def _hills(
     least_mm: float,
     pace: float,
 ) -> list[Hill]:
-    u = u.copy()
+    n, base = u.shape[1], round(_BASE * pace)
+    echoes = _Echoes(whitened, tuple(L for L in triangles.N if n >= L))
     hills: list[Hill] = []
-    while True:
-        m, t = (int(i) for i in np.unravel_index(int(u.argmax()), u.shape))
-        value = float(u[m, t])
-        if value < least:
-            return hills
-        L = int(triangles.length[m, t])
-        start = t - L // 2
-        u[m, max(0, start - _MASKED) : start + L + _MASKED] = 0.0
-        if labelled[m, start : start + L].mean() > _MOST_LABELLED:
-            continue
-        hill = _taken_out(whitened, m, start, L, value, pace)
-        if hill.value >= least and np.sqrt((hill.size**2).sum()) >= least_mm:
-            hills.append(hill)
+    for m in np.flatnonzero((u >= least).any(1)).tolist():
+        row = u[m].copy()
+        while True:
+            t = int(row.argmax())
+            value = float(row[t])
+            if value < least:
+                break
+            L = int(triangles.length[m, t])
+            start = t - L // 2
+            row[max(0, start - _MASKED) : start + L + _MASKED] = 0.0
+            if start < base or start + L > n - base:
+                continue
+            if labelled[m, start : start + L].mean() > _MOST_LABELLED:
+                continue
+            hill = _taken_out(echoes, triangles, m, start, L, value, round(_AROUND * pace))
+            if hill.value >= least and np.sqrt((hill.size**2).sum()) >= least_mm:
+                hills.append(hill)
+    return hills
 
 
-def _taken_out(whitened: Whitened, marker: int, start: int, L: int, u: float, pace: float) -> Hill:
+class _Echoes:
+    """What a triangle of 1 mm adds to the sums of all triangles around it, by series and length."""
+
+    def __init__(self, whitened: Whitened, lengths: tuple[int, ...]) -> None:
+        self._whitened = whitened
+        self._spectra = {
+            L: fft.rfft(np.roll(_padded(templates.triangle_template(L), whitened.size), -(L // 2)))
+            for L in lengths
+        }
+        self._known: dict[tuple[int, int], dict[int, FloatArray]] = {}
+
+    def of(self, marker: int, length: int) -> dict[int, FloatArray]:
+        """Length -> (3, size), beginning at the centre of the triangle and going round."""
+        if (marker, length) not in self._known:
+            weight = self._whitened.weight[3 * marker : 3 * marker + 3] * self._spectra[length]
+            self._known[marker, length] = {
+                L: fft.irfft(weight * spectrum.conj(), self._whitened.size)
+                for L, spectrum in self._spectra.items()
+            }
+        return self._known[marker, length]
+
+
+def _padded(shape: FloatArray, size: int) -> FloatArray:
+    return np.pad(shape, (0, size - len(shape)))
+
+
+def _taken_out(
+    echoes: _Echoes,
+    triangles: Triangles,
+    marker: int,
+    start: int,
+    length: int,
+    u: float,
+    reach: int,
+) -> Hill:
     """Fit the triangle, take it out, and see what is left and whether a box does better."""
     rows = slice(3 * marker, 3 * marker + 3)
-    reach = round(_AROUND * pace)
-    margin = reach + lengths(pace)[-1]
-    low = max(0, start + L // 2 - margin)
-    high = min(whitened.g.shape[1], start + L // 2 + margin + 1)
-    one = Whitened(whitened.g[rows, low:high], whitened.weight[rows], whitened.size)
-    n = high - low
-    offset, start = start, start - low
-    shape = templates.triangle_template(L)
-    q = one.energy(shape)
-    N = one.g[:, start : start + L] @ shape
-    score = float(np.sqrt((N * N / q).sum()))
-    answer = fft.irfft(one.weight * fft.rfft(shape, one.size), one.size)
-    answer = np.roll(answer, start, axis=1)[:, :n]
-    rest = Whitened(one.g - (N / q)[:, None] * answer, one.weight, one.size)
-    middle = start + L // 2
-    around = scan(rest, pace).score[0, max(0, middle - reach) : middle + reach + 1]
-    left = float(around.max()) / score
-    total = templates.sums(one)
-    for length in (max(2, round(L * pace)) for L in _BOXES):
-        if length < n:
-            z = templates.score(templates.boxes(total, length), one.energy(np.ones(length)))[0]
-            if z[max(0, start - length // 2) : start + L].max(initial=0.0) > _MOST_BOX * score:
-                left = 1.0
-    return Hill(marker, offset, L, score, u * max(0.0, 1.0 - left), left, N / q)
+    middle = start + length // 2
+    size = triangles.N[length][rows, middle] / triangles.q[length][rows]
+    score = float(triangles.score[marker, middle])
+    n = triangles.score.shape[1]
+    low, high = max(0, middle - reach), min(n, middle + reach + 1)
+    shifts = np.arange(low - middle, high - middle)
+    left = 0.0
+    for L, answer in echoes.of(marker, length).items():
+        fits = slice(max(low, L // 2), min(high, n - L // 2))
+        inside = slice(fits.start - low, fits.stop - low)
+        rest = triangles.N[L][rows, fits] - size[:, None] * answer[:, shifts[inside]]
+        z2 = (rest**2 / triangles.q[L][rows, None]).sum(0)
+        left = max(left, float(np.sqrt(z2.max(initial=0.0))) / score)
+    for L, z in triangles.box.items():
+        if z[marker, max(0, start - L // 2) : start + length].max(initial=0.0) > _MOST_BOX * score:
+            left = 1.0
+    return Hill(marker, start, length, score, u * max(0.0, 1.0 - left), left, size)
 
 
 def _explained(
     hill: Hill,
     cause: Hill,
     whitened: Whitened,
+    axes: FloatArray,
     predictions: Mapping[int, Prediction],
     positions: FloatArray,
 ) -> float:
@@ -241,10 +307,11 @@ def _explained(
     part = slice(max(0, cause.start), min(len(positions), cause.stop))
     shape = templates.triangle_template(cause.length)
     turn = predictions[cause.marker].turn[:, :, part]
+    size = axes[cause.marker] @ cause.size
     window = positions[part].copy()
     before = model.residual(window, part.start)
-    window[:, cause.marker] -= np.einsum("jin,j->ni", turn, cause.size) * shape[:, None]
-    change = before - model.residual(window, part.start)
+    window[:, cause.marker] -= np.einsum("jin,j->ni", turn, size) * shape[:, None]
+    change = (before - model.residual(window, part.start)) @ axes[hill.marker]
     rows = slice(3 * hill.marker, 3 * hill.marker + 3)
     one = Whitened(whitened.g[rows], whitened.weight[rows], whitened.size)
     effect = fft.irfft(one.weight * fft.rfft(change.T, one.size), one.size)

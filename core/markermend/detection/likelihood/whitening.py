@@ -91,15 +91,25 @@ def noise_spectrum(series: FloatArray, floor: float, size: int, steps: int = 1) 
     return out + floor**2
 
 
-def whiten(series: FloatArray, floor: float, steps: int = 1) -> Whitened:
+def whiten(series: FloatArray, floor: float, steps: int = 1, slowest: float = 0.0) -> Whitened:
     """Divide each series by its own noise spectrum.
 
     The ends are continued by point reflection, which keeps level and slope.
+
+    Parameters
+    ----------
+    series, floor, steps
+        As for `noise_spectrum`.
+    slowest
+        Cycles per frame below which everything counts as noise.
     """
     n = series.shape[1]
     pad = min(n - 1, 256)
     size = fft.next_fast_len(n + 2 * pad, real=True)
     weight = 1.0 / noise_spectrum(series, floor, size, steps)
+    if slowest > 0.0:
+        fourth = (np.arange(size // 2 + 1) / size) ** 4
+        weight *= fourth / (fourth + slowest**4)
     left = 2 * series[:, :1] - series[:, pad:0:-1]
     right = 2 * series[:, -1:] - series[:, -2 : -pad - 2 : -1]
     extended = np.concatenate((left, series, right), axis=1)
@@ -108,3 +118,29 @@ def whiten(series: FloatArray, floor: float, steps: int = 1) -> Whitened:
     extended = extended - extended[:, :1] - (extended[:, -1:] - extended[:, :1]) * line
     g = fft.irfft(fft.rfft(extended, size, axis=1) * weight, size, axis=1)
     return Whitened(np.ascontiguousarray(g[:, pad : pad + n]), weight, size)
+
+
+def principal_axes(vectors: FloatArray, steps: int) -> FloatArray:
+    """Directions along which a marker's fast changes are independent: (n_markers, 3, 3), columns.
+
+    Eigenvectors of the covariance of the directions of differences of order `steps`; lengths do
+    not count, so that artefacts, which are few, hardly turn the axes.
+
+    Parameters
+    ----------
+    vectors
+        (n_markers, n_frames, 3) mm.
+    steps
+        As for `whiten`.
+    """
+    difference = np.diff(vectors, n=steps, axis=1)
+    length = np.sqrt((difference**2).sum(2, keepdims=True))
+    direction = difference / np.maximum(length, 1e-9)
+    axes: FloatArray = np.linalg.eigh(np.matmul(np.swapaxes(direction, 1, 2), direction))[1]
+    return axes
+
+
+def series_along(vectors: FloatArray, axes: FloatArray) -> FloatArray:
+    """(3 * n_markers, n_frames): three series per marker, along its own axes."""
+    turned = np.matmul(vectors, axes)
+    return np.ascontiguousarray(turned.transpose(0, 2, 1)).reshape(-1, vectors.shape[1])

@@ -18,10 +18,16 @@ from markermend.detection.likelihood.prediction import (
 from markermend.detection.likelihood.scales import rolling_quantile
 from markermend.detection.likelihood.sharp import Candidate
 from markermend.detection.likelihood.swaps import Swap, find_swaps, undone
-from markermend.detection.likelihood.whitening import whiten
+from markermend.detection.likelihood.whitening import (
+    Whitened,
+    principal_axes,
+    series_along,
+    whiten,
+)
 from markermend.model import BoolArray, FloatArray
 
 SHORTEST = 32  # frames below which no spectrum can be estimated
+_SLOWEST_HZ = 3.0  # what is slower is no witness of peaks and steps
 _OWN_FACTOR = 1.5  # how much clearer a peak must be where its path alone tells
 FEWEST = 4  # markers below which there is no local frame
 
@@ -119,8 +125,8 @@ def scan_window(recorded: FloatArray, settings: Settings) -> Scan:
     for m in np.flatnonzero(flagged.any(1)).tolist():
         change = residual[m] - calm[m]
         path[m] -= change if alone else predictions[m].to_lab(change)
-    own_jumps = steps.jumps(whiten(_series(path), settings.floor, 2), free)
-    their_jumps = steps.jumps(whiten(_series(calm), settings.floor, order), free)
+    own_jumps = steps.jumps(_whitened(path, 2, settings), free)
+    their_jumps = steps.jumps(_whitened(calm, order, settings), free)
     # No edge beside a gap or a peak: a level that was bridged there is no witness either.
     edge_free = free & ~binary_dilation(~seen.T, _widened(7))
     edge_free &= ~binary_dilation(flagged, _widened(3))
@@ -158,9 +164,13 @@ def _widened(frames: int) -> BoolArray:
     return np.ones((1, frames), bool)
 
 
-def _series(vectors: FloatArray) -> FloatArray:
-    """(n_markers, n_frames, 3) as three series per marker."""
-    return np.ascontiguousarray(vectors.transpose(0, 2, 1)).reshape(-1, vectors.shape[1])
+def _whitened(vectors: FloatArray, steps: int, settings: Settings) -> Whitened:
+    """Three series per marker along its principal axes, whitened, without slow changes.
+
+    (n_markers, n_frames, 3) mm. A slow change must not hide a peak on it.
+    """
+    series = series_along(vectors, principal_axes(vectors, steps))
+    return whiten(series, settings.floor, steps, _SLOWEST_HZ / settings.rate)
 
 
 def _lab(predictions: dict[int, Prediction], residual: FloatArray) -> FloatArray:
@@ -199,13 +209,14 @@ def _without_peaks(
     rough /= np.maximum(1.0, sharp.MATE_SHARE * sharp.mates_of(rough, valid, neighbours))
     noise = sharp.find_noise(rough, dense, settings.noise)
     free = valid & ~_mask(noise, valid.shape, 3)
-    mine = peaks.witness(whiten(_series(own), settings.floor, 2), free)
+    axes = principal_axes(own, 2)
+    mine = peaks.witness(whiten(series_along(own, axes), settings.floor, 2), free)
     mates = sharp.mates_of(mine.score(), free, neighbours)
     clean = dense.copy()
     for peak in peaks.find_peaks((mine,), mates, free, _OWN_FACTOR * settings.peak):
         c = peak.candidate
         if c.strength >= 1.0:
-            clean[c.start : c.stop, c.marker] -= peak.sizes[0]
+            clean[c.start : c.stop, c.marker] -= axes[c.marker] @ peak.sizes[0]
     return clean
 
 
@@ -217,8 +228,8 @@ def _peaks(
     order: int,
     settings: Settings,
 ) -> list[Candidate]:
-    mine = peaks.witness(whiten(_series(own), settings.floor, 2), free)
-    theirs = peaks.witness(whiten(_series(residual), settings.floor, order), free)
+    mine = peaks.witness(_whitened(own, 2, settings), free)
+    theirs = peaks.witness(_whitened(residual, order, settings), free)
     mates = sharp.mates_of(mine.score(), free, neighbours)
     return [p.candidate for p in peaks.find_peaks((mine, theirs), mates, free, settings.peak)]
 
@@ -232,7 +243,8 @@ def _slow(
     settings: Settings,
 ) -> tuple[list[Candidate], FloatArray]:
     pace = settings.rate / 100.0
-    whitened = whiten(_series(residual), settings.floor, 1)
+    axes = principal_axes(residual, 1)
+    whitened = whiten(series_along(residual, axes), settings.floor, 1)
     best = slow.scan(whitened, pace)
     valid = best.score > 0
     width = max(3, round(31 * pace))
@@ -248,6 +260,7 @@ def _slow(
         scale,
         best,
         ~good,
+        axes,
         predictions,
         positions,
         settings.slow,
