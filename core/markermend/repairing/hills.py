@@ -114,7 +114,9 @@ class Fit:
     gain: float
 
 
-def fit(rest: Unexplained, wander: FloatArray, shapes: Sequence[FloatArray]) -> Fit:
+def fit(
+    rest: Unexplained, wander: FloatArray, shapes: Sequence[FloatArray], prior: FloatArray
+) -> Fit:
     """Fit the likeliest of some shapes by generalised least squares.
 
     Parameters
@@ -123,6 +125,8 @@ def fit(rest: Unexplained, wander: FloatArray, shapes: Sequence[FloatArray]) -> 
         (n, n) mm²: covariance of what is unexplained.
     shapes
         (n,) each, over the same frames.
+    prior
+        (n_shapes,): twice the logarithm of how likely each is beforehand.
     """
     root = cholesky(wander, lower=True)
     columns = np.column_stack([np.ones(len(wander)), rest.values, *shapes])
@@ -135,6 +139,6 @@ def fit(rest: Unexplained, wander: FloatArray, shapes: Sequence[FloatArray]) -> 
     power = np.square(patterns).sum(axis=0)
     heights = (patterns.T @ signal) / power[:, None]
     gains = np.square(heights).sum(axis=1) * power
-    which = int(gains.argmax())
+    which = int((gains + prior).argmax())
     doubt = np.full(n_dims, 1.0 / np.sqrt(power[which]))
     return Fit(which, heights[which], doubt, float(gains[which]))

@@ -132,7 +132,7 @@ class Bench:
         """
         if self._around is None:
             raise CannotRepair(self._refusal)
-        return outcome(self._around, self.reference)
+        return outcome(self.problem, self._around, self.reference)
 
     @cached_property
     def _starts(self) -> np.ndarray[Any, np.dtype[np.intp]]:
@@ -162,7 +162,7 @@ class Bench:
         if method.name == "leave":
             return None
         if method.name == REFERENCE and self.reference is not None:
-            return _of_reference(self.reference)
+            return _of_reference(self.reference, self.reference_outcome())
         every = MOST // MOST_SLOW if method.name in SLOW else 1
         errors, tried = [], []
         for i in range(0, len(self.trials), every):
@@ -196,8 +196,8 @@ class Bench:
         return Trust(name, float(each.mean()), float(np.quantile(each, 0.9)), band, len(errors))
 
 
-def _of_reference(found: Blend) -> Trust:
-    each = found.likely.mean(axis=1)
-    return Trust(
-        REFERENCE, found.expected_mm, float(np.quantile(each, 0.9)), found.band(), len(each)
-    )
+def _of_reference(found: Blend, done: Outcome) -> Trust:
+    """Read off the fill how far it is to be trusted, and off the pseudo-gaps what is not in it."""
+    expected = found.expected_mm if done.expected_mm is None else done.expected_mm
+    each = found.likely.mean(axis=1) * (expected / max(found.expected_mm, 1e-12))
+    return Trust(REFERENCE, expected, float(np.quantile(each, 0.9)), done.band, len(each))

@@ -66,6 +66,11 @@ class Blend:
         """Mean error to be expected."""
         return float(self.likely.mean())
 
+    def spread(self) -> FloatArray:
+        """Give the root mean square error to be expected by position in the gap, (length,) mm."""
+        shape = np.sqrt(np.square(self.likely).mean(axis=0))
+        return np.asarray(np.interp(np.arange(self.pseudo.length), self.pseudo.inside, shape))
+
     def band(self) -> FloatArray | None:
         """Give the 90 % band by position in the gap, (length,) mm, if enough is seen."""
         return band_by_position(self.likely, self.pseudo.inside, self.pseudo.length, self.seen)

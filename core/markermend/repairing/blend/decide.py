@@ -9,6 +9,7 @@ from markermend.model import Take
 from markermend.repairing.blend.blend import Blend, blend
 from markermend.repairing.blend.bridge import bridge
 from markermend.repairing.blend.fixed import between_edges
+from markermend.repairing.blend.recorded import with_recorded
 from markermend.repairing.blend.scene import Scene, survey
 from markermend.repairing.blend.short import share_of_tested, short, with_filled_neighbours
 from markermend.repairing.problem import Outcome, Problem
@@ -22,7 +23,7 @@ def decide(problem: Problem) -> Outcome:
     """Fill the span by the best means that it allows; see `markermend.repairing.methods.auto`."""
     around = survey(window(problem))
     _check(around)
-    return outcome(around, tested(around, problem.training))
+    return outcome(problem, around, tested(around, problem.training))
 
 
 def tested(around: Scene, training: Sequence[Take]) -> Blend | None:
@@ -47,8 +48,19 @@ def _blacked_out(around: Scene) -> bool:
     return not cut.seen[cut.span.frames].any()
 
 
-def outcome(around: Scene, found: Blend | None) -> Outcome:
+def outcome(problem: Problem, around: Scene, found: Blend | None) -> Outcome:
     """Say what was found, or what is done where no mix could be tested well enough.
+
+    Raises
+    ------
+    CannotRepair
+        If neither the marker's edges nor its neighbours say enough.
+    """
+    return with_recorded(problem, _as_gap(around, found), found)
+
+
+def _as_gap(around: Scene, found: Blend | None) -> Outcome:
+    """Fill the span as if nothing had been recorded in it.
 
     Raises
     ------

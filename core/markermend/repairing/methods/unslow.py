@@ -25,6 +25,7 @@ def unslow(
     problem: Problem,
     *,
     apexes: Annotated[int, Within(3, 201)] = 41,
+    lean: Annotated[float, Within(0.01, 10)] = 0.08,
     significance: Annotated[float, Within(0, 20)] = 3.0,
 ) -> Outcome:
     """Find the triangle that a slow change is, and take it away.
@@ -37,6 +38,8 @@ def unslow(
     ----------
     apexes
         Places of the apex that are tried.
+    lean
+        How far off the middle the apex usually is, as a share of the span.
     significance
         An axis stays as it is unless its height is so many times its uncertainty.
 
@@ -65,7 +68,9 @@ def unslow(
         )
     tops = np.linspace(1.0, len(cut.span) - 2.0, apexes)
     at = rest.frames - cut.span.start
-    found = fit(rest, covariance(rest, cut.rate), [triangle(at, len(cut.span), t) for t in tops])
+    shapes = [triangle(at, len(cut.span), top) for top in tops]
+    off = (tops / (len(cut.span) - 1) - 0.5) / lean
+    found = fit(rest, covariance(rest, cut.rate), shapes, -np.square(off))
     sure = np.abs(found.height) > significance * found.doubt
     if not sure.any():
         raise CannotRepair(
