@@ -38,7 +38,8 @@ SLOWEST_S = 20
 MOST_MB = 3000
 _WORDS = (
     "NaN", "nan", "inf", "-1", "1e308", "1e-320", "65535", "65536", "0x", "1_0", "\\x00", "\\xff",
-    "\\x09", "\\x0d\\x0a", ";", ",", "\\xef\\xbb\\xbf", "\\xff\\xfe", "NO_OF_FRAMES", "MARKER_NAMES",
+    "\\x09", "\\x0d\\x0a", ";", ",", "\\xef\\xbb\\xbf", "\\xff\\xfe", "NO_OF_FRAMES",
+    "MARKER_NAMES",
     "DATA_INCLUDED", "FREQUENCY", "PathFileType", "Frame#", "DataRate", "Units", "Trajectories",
     "Sub Frame", "Format Version", "Position", "pose_keypoints_2d", "people", "POINT", "LABELS",
     "USED", "SCALE", "FRAMES", "DATA_START", "positions", "-TX", "-TY", "-TZ", "findings",

@@ -1,7 +1,7 @@
 """The law of everything that is handed in: a take, or one sentence; nothing else, and soon."""
 
+import contextlib
 import math
-import re
 import unicodedata
 import warnings
 from collections.abc import Callable
@@ -18,9 +18,9 @@ LONGEST_SENTENCE = 700
 _UNSEEN = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 
-def opened(path: Path, reading: Reading = Reading(second_opinion=False)) -> Contents:
+def opened(path: Path) -> Contents:
     """Read a file with our own parser alone."""
-    return format_of(path).open(path, reading)
+    return format_of(path).open(path, Reading(second_opinion=False))
 
 
 def fault_of(act: Callable[[], object]) -> str:
@@ -77,10 +77,8 @@ def read_wholly(path: Path) -> Take | None:
     for sentence in contents.warnings:
         fault = fault_of_sentence(sentence)
         assert not fault, f"warning: {fault}"
-    try:
+    with contextlib.suppress(Lacking):
         contents.take()
-    except Lacking:
-        pass
     units = "px" if shape[2] == 2 else contents.units or "mm"
     take = contents.take(units=units, rate=contents.rate or 100.0)
     assert len(set(take.labels)) == take.n_markers, "labels not unique"
@@ -91,8 +89,3 @@ def read_wholly(path: Path) -> Take | None:
     assert (seen.all(axis=2) == seen.any(axis=2)).all(), "half a position"
     assert math.isfinite(take.rate), "rate"
     return take
-
-
-def sentences_in(text: str) -> int:
-    """Count sentences, roughly."""
-    return len(re.findall(r"[.!?](?:\s|$)", text))

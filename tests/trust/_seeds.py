@@ -18,6 +18,25 @@ from markermend.review.decisions import decisions_on
 LONGEST, _LINES = 48_000, 16
 """Bytes and lines of a seed: a short file is tried more often in the same time."""
 
+_NEXUS = """Trajectories
+100
+,,S:A,,,S:B,,
+Frame,Sub Frame,X,Y,Z,X,Y,Z
+,,mm,mm,mm,mm,mm,mm
+1,0,1,2,3,,,
+2,0,1.5,2,3,4,5,6
+"""
+_MOTIVE = """Format Version,1.23,Export Frame Rate,120,Length Units,Meters
+
+,,Marker,Marker,Marker
+,,A,A,A
+,,1,1,1
+,,Position,Position,Position
+Frame,Time,X,Y,Z
+0,0,1,2,3
+1,0.00833,1,2,
+"""
+
 
 def small_take(n_frames: int = 6, n_dims: int = 3) -> Take:
     """Give a take with a gap, a model's output and an unlabelled trajectory."""
@@ -46,16 +65,9 @@ def seeds(name: str) -> Iterator[bytes]:
         yield openpose(1, 25)
         yield openpose(2, 18)
     if name == "nexus_csv":
-        yield (
-            b"Trajectories\n100\n,,S:A,,,S:B,,\nFrame,Sub Frame,X,Y,Z,X,Y,Z\n,,mm,mm,mm,mm,mm,mm\n"
-            b"1,0,1,2,3,,,\n2,0,1.5,2,3,4,5,6\n"
-        )
+        yield _NEXUS.encode()
     if name == "motive_csv":
-        yield (
-            b"Format Version,1.23,Export Frame Rate,120,Length Units,Meters\n\n"
-            b",,Marker,Marker,Marker\n,,A,A,A\n,,1,1,1\n,,Position,Position,Position\n"
-            b"Frame,Time,X,Y,Z\n0,0,1,2,3\n1,0.00833,1,2,\n"
-        )
+        yield _MOTIVE.encode()
 
 
 def decisions() -> bytes:
