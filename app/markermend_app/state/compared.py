@@ -156,9 +156,8 @@ def _words(case: Case, person: int) -> str:
         return "left open"
     if decision.verdict == "deferred":
         return "set aside"
-    frames = f"{said.span.start}–{said.span.stop - 1}"
     with_ = f", {decision.method}" if decision.method else ""
-    return f"{said.kind}, frames {frames}{with_}"
+    return f"{said.kind} {said.span.start}–{said.span.stop - 1}{with_}"
 
 
 def others(store: Store, take: Take, but: str | None = None) -> tuple[ReviewRecord, ...]:

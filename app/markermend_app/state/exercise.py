@@ -18,6 +18,10 @@ from markermend_app.state.workspace import Opened
 
 Session = tuple[ReviewSession, tuple[str, ...]]
 Begin = Callable[[Opened], Session]
+FIND_IT = (
+    "Nothing is shown: find what is wrong. Choose a marker in the overview or in 3D; press I where "
+    "it begins and O where it ends, or drag over a lane after Add span."
+)
 
 
 class Practising(Desk):
@@ -63,7 +67,13 @@ class Practising(Desk):
         opened, practice = result
         trainee = practice.trainee
         with param.parameterized.batch_call_watchers(self):
-            self.param.update(practice=practice, feedback=None, hints=(), helping=practice.helped)
+            self.param.update(
+                practice=practice,
+                feedback=None,
+                hints=(),
+                helping=practice.helped,
+                empty=FIND_IT if practice.hidden else "",
+            )
             self._enter(opened, lambda _: (self.trainer.session(trainee), ()))
         told = self.trainer.feedback(trainee)
         if told is not None:  # the page was loaded again after the end
@@ -82,7 +92,7 @@ class Practising(Desk):
 
     def _opened(self, result: tuple[Opened, Triage] | Asked | str) -> None:
         if isinstance(result, tuple) and self._how is None:
-            self.param.update(practice=None, feedback=None, hints=())
+            self.param.update(practice=None, feedback=None, hints=(), empty="")
         super()._opened(result)
 
     def ask_practice(self) -> None:

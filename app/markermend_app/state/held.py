@@ -28,6 +28,7 @@ class Held(param.Parameterized):  # type: ignore[misc]  # param has no types
     thresholds: dict[Kind, float] = param.Parameter(
         AS_DESIGNED, doc="Factor on the detector's thresholds, by kind; replaced whole."
     )
+    empty: str = param.String("", doc="What the queue says while it lists nothing on purpose.")
     dialog: str = param.String("", doc="Name of the dialog that is open, or empty.")
     message: str = param.String("", doc="A failure or warning, until dismissed.")
     busy: str = param.String("", doc="What is being done, or empty.")

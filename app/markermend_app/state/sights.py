@@ -1,5 +1,6 @@
 """One finding in several versions, as the small pictures of feedback and adjudication show it."""
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -18,9 +19,10 @@ class Sight:
     Attributes
     ----------
     kind, start_s, stop_s
-        What is to be seen, and where it is.
+        What is to be seen, and where it is: from half a frame before it to half a frame before
+        the next.
     axis
-        The axis on which the versions differ most.
+        The axis on which the versions differ most; of one version, that on which it moves most.
     unit
         Of the values.
     time
@@ -68,14 +70,12 @@ def sight(
     frames = around(take, span)
     base = _chord(next(iter(versions.values()))) if against is None else against
     off = {name: values - base for name, values in versions.items()}
-    spread = [
-        _spread(np.stack([values[:, i] for values in off.values()])) for i in range(take.n_dims)
-    ]
+    spread = _spread(np.stack(list(off.values())))
     axis = int(np.argmax(spread))
     return Sight(
         kind,
-        span.start / take.rate,
-        span.stop / take.rate,
+        (span.start - 0.5) / take.rate,
+        (span.stop - 0.5) / take.rate,
         AXES[axis],
         take.units,
         np.arange(frames.start, frames.stop) / take.rate,
@@ -83,9 +83,14 @@ def sight(
     )
 
 
-def _spread(values: FloatArray) -> float:
-    known = values[np.isfinite(values)]
-    return float(np.ptp(known)) if known.size else 0.0
+def _spread(values: FloatArray) -> FloatArray:
+    """Give (n_dims,): how far apart (n_versions, n, n_dims) are at most, else how far they go."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # nothing is known at some times
+        between = np.nanmax(np.nanmax(values, axis=0) - np.nanmin(values, axis=0), axis=0)
+        over = np.nanmax(values, axis=(0, 1)) - np.nanmin(values, axis=(0, 1))
+    chosen: FloatArray = np.nan_to_num(between if np.nanmax(between) > 1e-9 else over)
+    return chosen
 
 
 def _chord(values: FloatArray) -> FloatArray:

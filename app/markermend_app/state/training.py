@@ -273,6 +273,8 @@ def _sight(exercise: Exercise, repaired: Take, mark: Mark) -> Sight | None:
         versions["best"] = best
     if mark.repaired is not None:
         versions["yours"] = repaired.positions[frames, m]
+    elif mark.kind == "gap":  # nothing is there that could be off the truth: show the truth itself
+        return sight(take, mark.kind, mark.span, {"truth": truth, **versions})
     return sight(take, mark.kind, mark.span, versions, against=truth)
 
 

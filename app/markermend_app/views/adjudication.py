@@ -19,7 +19,7 @@ def opinions(desk: Comparing) -> str:
     cards = "".join(
         f'<section class="opinion{" taken" if one.taken else ""}">'
         f"<h2>{escape(one.name)}{icon('accepted', 13) if one.taken else ''}</h2>"
-        f"<p>{escape(one.words)}</p>"
+        f'<p title="{escape(one.words)}">{escape(one.words)}</p>'
         f"{picture(one.sight, f'Version of {escape(one.name)}')}"
         + button(
             f"opinion_{i}", f"As {escape(one.name)}", classes="tool boxed",

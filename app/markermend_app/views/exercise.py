@@ -34,7 +34,7 @@ def strip(desk: Comparing) -> str:
         counts = desk.review.counts(desk.findings)
         return _bar(
             f"<b>Adjudication</b><span>of {escape(' and '.join(desk.adjudicating))}</span>"
-            f'<span class="num">{counts.open} of {counts.total} still differ; what they agree on '
+            f'<span class="num">{counts.open} of {counts.total} are open; what they decided alike '
             "is settled.</span>",
             button("agreement", "Agreement", classes="tool boxed", key=False)
             + button("export", "Export…", classes="tool boxed", key=False),

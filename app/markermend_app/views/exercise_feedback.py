@@ -55,7 +55,9 @@ def _feedback(desk: Comparing) -> str:
         f'<div class="columns-2"><div>{_kinds(grade)}{_matrix(grade)}</div>'
         f"<div>{_over_time(told)}</div></div>"
         f"<section><h2>Every decision</h2>{legend(*SIGHTS)}"
-        "<p>The curves are distances to what the marker really did, which is the straight line.</p>"
+        "<p>The curves are distances to what the marker really did, which is the straight line; "
+        "of a gap that was passed over they are the way through it. What was recorded has the "
+        "colour of its kind.</p>"
         f'<div class="marks">{_marks(told)}</div></section>'
     )
 
@@ -96,7 +98,7 @@ def _sums(grade: Grade) -> str:
     if before is not None and after is not None:
         word = "left worse" if grade.worse else "root mean square error, before and after"
         cells += (
-            f'<div class="{"worse" if grade.worse else ""}"><b>{number(before)} → {number(after)} '
+            f'<div class="{"worse" if grade.worse else ""}"><b>{before:.1f} → {after:.1f} '
             f"mm</b><span>{word}</span></div>"
         )
     return f'<div class="sums">{cells}</div>'

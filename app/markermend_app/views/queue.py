@@ -98,6 +98,8 @@ def foot(desk: Desk) -> str:
 def _empty(desk: Desk, n_open: int) -> str:
     if desk.opened is None:
         return "" if desk.busy else _no_take()
+    if not desk.findings and desk.empty:
+        return f'<div class="empty">{escape(desk.empty)}</div>'
     if not desk.findings:
         return (
             '<div class="empty"><b>Nothing found at these thresholds.</b>'
