@@ -101,7 +101,7 @@ def test_rolling_quantile_ignores_what_is_not_valid() -> None:
     valid = np.ones((2, 100), bool)
     values[1, 40:50] = 1e9
     valid[1, 40:50] = False
-    found = rolling_quantile(values, valid, 20, 0.5, 1)
+    found = rolling_quantile(values, valid, 20, 1, 0.5)
     assert found[0, 50] == 50.0
     assert found[1].max() < 100.0
 

@@ -12,7 +12,8 @@ from markermend.detection.likelihood.swaps import LEAST_MM, Swap
 from markermend.detection.likelihood.window import SHORTEST, Scan, Settings, scan_window
 from markermend.model import AXES, Evidence, Finding, FloatArray, Span, Take
 
-_WINDOW, _OVERLAP = 4400, 220  # frames: longer takes go in pieces, so time and memory stay linear
+_WINDOW = 4400  # frames: longer takes go in pieces, so time and memory stay linear
+_OVERLAP = 220  # the same at 100 Hz, or more at higher rates: slow changes last longer there
 _CONTEXT = 60  # frames of evidence on each side
 _AXIS_SHARE = 0.2  # of the amplitude, from which an axis is named
 _SLOW_AXIS_SHARE = 0.4  # for slow changes, whose other axes drift along with the prediction
@@ -47,7 +48,7 @@ class Piece:
 
 def scanned(take: Take, settings: Settings) -> Iterator[Piece]:
     """Scan the take window by window; one is held at a time."""
-    for start, stop, low, high in _windows(take.n_frames):
+    for start, stop, low, high in _windows(take.n_frames, settings.pace):
         part = take.positions[start:stop, take.measured]
         shown = np.flatnonzero(np.isfinite(part[:, :, 0]).sum(0) >= SHORTEST)
         if stop - start < SHORTEST or not len(shown):
@@ -74,12 +75,14 @@ def _middle(span: Span) -> float:
     return (span.start + span.stop) / 2
 
 
-def _windows(n_frames: int) -> list[tuple[int, int, float, float]]:
+def _windows(n_frames: int, pace: float) -> list[tuple[int, int, float, float]]:
     """Windows and the part of each in which the middle of a finding has to lie."""
-    if n_frames <= _WINDOW + _OVERLAP:
+    overlap = round(_OVERLAP * max(1.0, pace))
+    longest = max(_WINDOW, 4 * overlap)
+    if n_frames <= longest + overlap:
         return [(0, n_frames, -np.inf, np.inf)]
-    count = -(-(n_frames - _OVERLAP) // (_WINDOW - _OVERLAP))
-    length = -(-(n_frames + (count - 1) * _OVERLAP) // count)
+    count = -(-(n_frames - overlap) // (longest - overlap))
+    length = -(-(n_frames + (count - 1) * overlap) // count)
     starts = np.linspace(0, n_frames - length, count).astype(int)
     cuts = [-np.inf, *((starts[1:] + starts[:-1] + length) / 2), np.inf]
     return [(int(s), int(s) + length, cuts[i], cuts[i + 1]) for i, s in enumerate(starts)]

@@ -48,7 +48,7 @@ class Witness:
         return normalised
 
 
-def witness(whitened: Whitened, valid: BoolArray) -> Witness:
+def witness(whitened: Whitened, valid: BoolArray, pace: float = 1.0) -> Witness:
     """Score all boxes of 1 to 3 frames, and jumps.
 
     Parameters
@@ -57,6 +57,8 @@ def witness(whitened: Whitened, valid: BoolArray) -> Witness:
         Three series per marker.
     valid
         (n_markers, n_frames): frames that count for the local scale.
+    pace
+        Rate over 100 Hz.
     """
     total = templates.sums(whitened)
     jump = templates.jump_template(_JUMP_HALF)
@@ -67,7 +69,9 @@ def witness(whitened: Whitened, valid: BoolArray) -> Witness:
         N[k, :, : N.shape[2] - k] = templates.boxes(total, k + 1)
     N[LONGEST] = templates.jumps(total, _JUMP_HALF)
     q = np.array([whitened.energy(shape) for shape in shapes])
-    usual = np.array([local_scale(templates.score(a, b), valid) for a, b in zip(N, q, strict=True)])
+    usual = np.array(
+        [local_scale(templates.score(a, b), valid, pace) for a, b in zip(N, q, strict=True)]
+    )
     kernel = fft.irfft(whitened.weight, whitened.size)
     wide = _REACH + 2 * _JUMP_HALF
     kernel = np.concatenate((kernel[:, -wide:], kernel[:, : wide + 1]), axis=1)

@@ -10,7 +10,7 @@ QUARTILE_OF_CHI3 = 1.101
 
 
 def rolling_quantile(
-    values: FloatArray, valid: BoolArray, half: int, quantile: float, stride: int
+    values: FloatArray, valid: BoolArray, half: int, stride: int, quantile: float
 ) -> FloatArray:
     """Quantile of the valid values around each frame, on every `stride`-th one, interpolated.
 

@@ -13,8 +13,10 @@ from markermend.detection.likelihood.scales import (
 from markermend.model import BoolArray, FloatArray, Kind
 
 LEAST = 0.5  # candidates are kept down to this strength
-_SCALE_HALF = 40
-_LONG_HALF = 120
+# Frames at 100 Hz on each side of a local scale, and its stride; `pace` is the rate over 100 Hz.
+_SCALE = (40, 10)
+_LONG_SCALE = (120, 20)
+_LEAST_HALF = 20  # frames that a quantile needs at any rate
 _MATES = 5
 MATE_SHARE = 0.7
 
@@ -41,9 +43,15 @@ class Candidate:
     statistic: float
 
 
-def local_scale(z: FloatArray, valid: BoolArray) -> FloatArray:
+def local_scale(z: FloatArray, valid: BoolArray, pace: float) -> FloatArray:
     """Usual size of a score around each frame, at least the noise model's own 1."""
-    return np.maximum(1.0, rolling_quantile(z, valid, _SCALE_HALF, 0.5, 10) / MEDIAN_OF_CHI3)
+    usual = rolling_quantile(z, valid, *_at(pace, *_SCALE), 0.5) / MEDIAN_OF_CHI3
+    return np.maximum(1.0, usual)
+
+
+def _at(pace: float, half: int, stride: int) -> tuple[int, int]:
+    """Frames of a scale that is local in seconds, where it has enough of them."""
+    return max(_LEAST_HALF, round(half * pace)), max(5, round(stride * pace))
 
 
 def mates_of(own: FloatArray, valid: BoolArray, neighbours: NDArray[np.intp]) -> FloatArray:
@@ -58,7 +66,7 @@ def mates_of(own: FloatArray, valid: BoolArray, neighbours: NDArray[np.intp]) ->
     return result
 
 
-def roughness(series: FloatArray, valid: BoolArray, floor: float) -> FloatArray:
+def roughness(series: FloatArray, valid: BoolArray, floor: float, pace: float) -> FloatArray:
     """Fourth differences over their local scale: (n_markers, n_frames), short in time.
 
     Parameters
@@ -69,11 +77,13 @@ def roughness(series: FloatArray, valid: BoolArray, floor: float) -> FloatArray:
         (n_markers, n_frames).
     floor
         mm: white noise that is always assumed.
+    pace
+        Rate over 100 Hz.
     """
     fourth = np.zeros(series.shape[:2])
     if series.shape[1] > 4:
         fourth[:, 2:-2] = np.sqrt((np.diff(series, n=4, axis=1) ** 2).sum(2)) / _FOURTH
-    usual = rolling_quantile(fourth, valid, _LONG_HALF, 0.25, 20) / QUARTILE_OF_CHI3
+    usual = rolling_quantile(fourth, valid, *_at(pace, *_LONG_SCALE), 0.25) / QUARTILE_OF_CHI3
     return np.where(valid, fourth / np.maximum(usual, floor), 0.0)
 
 

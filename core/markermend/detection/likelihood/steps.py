@@ -18,7 +18,8 @@ from markermend.detection.likelihood.sharp import (
 from markermend.detection.likelihood.whitening import Whitened
 from markermend.model import BoolArray, FloatArray
 
-SHORTEST, LONGEST = 4, 300  # frames between the edges
+SHORTEST = 4  # frames between the edges
+LONGEST = 300  # the same at 100 Hz; `pace` is the rate over 100 Hz
 _HALF = 6
 _REACH = 16  # frames around an edge that its own answer is taken out of
 _SIDE = 8  # frames in which nothing much may be left
@@ -63,7 +64,7 @@ class Jumps:
         return np.sqrt(self.squared()) / self.usual
 
 
-def jumps(whitened: Whitened, valid: BoolArray) -> Jumps:
+def jumps(whitened: Whitened, valid: BoolArray, pace: float = 1.0) -> Jumps:
     """Score a jump before every frame, seen over a few frames on both sides."""
     N = templates.jumps(templates.sums(whitened), _HALF)
     template = templates.jump_template(_HALF)
@@ -80,7 +81,7 @@ def jumps(whitened: Whitened, valid: BoolArray) -> Jumps:
     return Jumps(
         N.reshape(n_markers, 3, -1),
         q.reshape(n_markers, 3),
-        local_scale(templates.score(N, q), valid),
+        local_scale(templates.score(N, q), valid, pace),
         answer.reshape(n_markers, 3, -1),
         templates.score(whitened.g, whitened.energy(np.ones(1))) ** 2,
     )
@@ -101,6 +102,7 @@ def find_steps(
     neighbours: NDArray[np.intp],
     free: BoolArray,
     threshold: float,
+    pace: float = 1.0,
 ) -> list[Candidate]:
     """Pair opposite jumps on which both witnesses agree.
 
@@ -114,7 +116,10 @@ def find_steps(
         (n_markers, n_frames): frames at which an edge may lie.
     threshold
         Score that the weaker edge has to pass.
+    pace
+        Rate over 100 Hz.
     """
+    longest = max(2 * SHORTEST, round(LONGEST * pace))
     own_score = own.score()
     mates = mates_of(own_score, free, neighbours)
     share = free / np.maximum(1.0, MATE_SHARE * mates)
@@ -129,7 +134,7 @@ def find_steps(
         pairs = []
         for i, a in enumerate(edges):
             for b in edges[i + 1 :]:
-                if SHORTEST <= b.frame - a.frame <= LONGEST:
+                if SHORTEST <= b.frame - a.frame <= longest:
                     mismatch = min(map(_mismatch, a.sizes, b.sizes))
                     if mismatch < _MISMATCH:
                         weaker = min(a.score, b.score)

@@ -44,6 +44,11 @@ class Settings:
     slow: float
     least_slow: float
 
+    @property
+    def pace(self) -> float:
+        """Rate over 100 Hz, at which the lengths of the stages are given."""
+        return self.rate / 100.0
+
 
 @dataclass(frozen=True, eq=False)
 class Scan:
@@ -89,7 +94,7 @@ def scan_window(recorded: FloatArray, settings: Settings) -> Scan:
     neighbours = steadiest(dense, seen, MOST_NEIGHBOURS)
     alone = n_markers < FEWEST
 
-    pace = settings.rate / 100.0
+    pace = settings.pace
 
     def predict(markers: NDArray[np.intp], positions: FloatArray, good: BoolArray) -> None:
         for m in markers.tolist():
@@ -125,12 +130,12 @@ def scan_window(recorded: FloatArray, settings: Settings) -> Scan:
     for m in np.flatnonzero(flagged.any(1)).tolist():
         change = residual[m] - calm[m]
         path[m] -= change if alone else predictions[m].to_lab(change)
-    own_jumps = steps.jumps(_whitened(path, 2, settings), free)
-    their_jumps = steps.jumps(_whitened(calm, order, settings), free)
+    own_jumps = steps.jumps(_whitened(path, 2, settings), free, settings.pace)
+    their_jumps = steps.jumps(_whitened(calm, order, settings), free, settings.pace)
     # No edge beside a gap or a peak: a level that was bridged there is no witness either.
     edge_free = free & ~binary_dilation(~seen.T, _widened(7))
     edge_free &= ~binary_dilation(flagged, _widened(3))
-    stepped = steps.find_steps(own_jumps, their_jumps, neighbours, edge_free, settings.step)
+    stepped = steps.find_steps(own_jumps, their_jumps, neighbours, edge_free, settings.step, pace)
     found += stepped
     raw = residual if alone else _lab(predictions, residual)
     predicted = dense - raw.transpose(1, 0, 2)
@@ -193,8 +198,8 @@ def _noise(
     neighbours: NDArray[np.intp],
     settings: Settings,
 ) -> list[Candidate]:
-    mine = sharp.roughness(own, valid, settings.floor)
-    theirs = sharp.roughness(residual, valid, settings.floor)
+    mine = sharp.roughness(own, valid, settings.floor, settings.pace)
+    theirs = sharp.roughness(residual, valid, settings.floor, settings.pace)
     mates = sharp.mates_of(mine, valid, neighbours)
     rough = np.minimum(mine, theirs) / np.maximum(1.0, sharp.MATE_SHARE * mates)
     return sharp.find_noise(rough, dense, settings.noise)
@@ -205,12 +210,12 @@ def _without_peaks(
 ) -> FloatArray:
     """Positions without the peaks that paths alone show: what the neighbours are given to learn."""
     own = dense.transpose(1, 0, 2)
-    rough = sharp.roughness(own, valid, settings.floor)
+    rough = sharp.roughness(own, valid, settings.floor, settings.pace)
     rough /= np.maximum(1.0, sharp.MATE_SHARE * sharp.mates_of(rough, valid, neighbours))
     noise = sharp.find_noise(rough, dense, settings.noise)
     free = valid & ~_mask(noise, valid.shape, 3)
     axes = principal_axes(own, 2)
-    mine = peaks.witness(whiten(series_along(own, axes), settings.floor, 2), free)
+    mine = peaks.witness(whiten(series_along(own, axes), settings.floor, 2), free, settings.pace)
     mates = sharp.mates_of(mine.score(), free, neighbours)
     clean = dense.copy()
     for peak in peaks.find_peaks((mine,), mates, free, _OWN_FACTOR * settings.peak):
@@ -228,8 +233,8 @@ def _peaks(
     order: int,
     settings: Settings,
 ) -> list[Candidate]:
-    mine = peaks.witness(_whitened(own, 2, settings), free)
-    theirs = peaks.witness(_whitened(residual, order, settings), free)
+    mine = peaks.witness(_whitened(own, 2, settings), free, settings.pace)
+    theirs = peaks.witness(_whitened(residual, order, settings), free, settings.pace)
     mates = sharp.mates_of(mine.score(), free, neighbours)
     return [p.candidate for p in peaks.find_peaks((mine, theirs), mates, free, settings.peak)]
 
@@ -242,7 +247,7 @@ def _slow(
     good: BoolArray,
     settings: Settings,
 ) -> tuple[list[Candidate], FloatArray]:
-    pace = settings.rate / 100.0
+    pace = settings.pace
     axes = principal_axes(residual, 1)
     whitened = whiten(series_along(residual, axes), settings.floor, 1)
     best = slow.scan(whitened, pace)
@@ -251,7 +256,7 @@ def _slow(
     mates = np.median(speeds(positions, settings.rate, width)[neighbours[:, :4]], axis=1)
     leverage = np.array([predictions[m].leverage for m in range(len(residual))])
     leverage = uniform_filter1d(leverage, width, axis=1, mode="nearest")
-    usual = rolling_quantile(best.score, valid, round(200 * pace), 0.5, 20)
+    usual = rolling_quantile(best.score, valid, round(200 * pace), max(5, round(20 * pace)), 0.5)
     covariates = (mates + 5.0, leverage + 1e-4, usual + 0.2)
     typical = learnt_scale(best.score, covariates, valid & good)
     scale = slow.held_back(best.score, typical, valid, pace)
