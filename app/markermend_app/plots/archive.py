@@ -18,7 +18,7 @@ from markermend_app.style.kinds import KIND_STYLES, glyph
 LEVELS_MM = (0.01, 0.1, 1.0, 10.0)
 """Bounds of the shades, in mm of mean error over a take."""
 MOST_TAKES = 2000
-MOST_MARKERS = 25
+MOST_MARKERS = 15
 MOST_NOT_DONE = 200
 WIDEST_CELL = 26
 ROW = 15
@@ -86,8 +86,8 @@ def takes(seen: Overview, door: Door, most: int = MOST_TAKES) -> str:
     rows = "".join(_take_row(n, line, largest, door) for n, line in enumerate(shown, 1))
     left = len(seen.worst_first) - len(shown)
     more = f'<p class="quiet">{left:,} takes with less damage are not listed.</p>' if left else ""
-    head = ("", "Take", "", "Damage", "Findings", "s", "Worst marker")
-    return _table(head, rows, "takes") + more
+    head = ("", "Take", "", "Damage", "Findings", "Seconds", "Worst marker")
+    return f'<div class="scrolls" tabindex="0">{_table(head, rows, "takes")}{more}</div>'
 
 
 def _take_row(n: int, line: Line, largest: float, door: Door) -> str:

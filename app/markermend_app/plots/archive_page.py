@@ -13,24 +13,20 @@ _POLICY = "default-src 'none'; style-src 'unsafe-inline'; font-src data:"
 
 def archive_body(seen: Overview, door: archive.Door) -> str:
     """Give the sections of an overview, the same in the application and in the file."""
+    work = _section("Takes, worst first", "by expected damage", archive.takes(seen, door))
+    what = _section("Kinds", "damage is size × duration × confidence, mm s", archive.kinds(seen))
+    where = _section("Markers that fail most", "damage by kind, mm s", archive.markers(seen))
+    drawn = _section("Markers by takes", "which one, and since when", archive.picture(seen, door))
     left = archive.not_done(seen)
-    sections = (
-        ("", "Markers that fail most", "damage in mm s, by kind", archive.markers(seen)),
-        ("", "Kinds", "size × duration × confidence", archive.kinds(seen)),
-        ("whole", "Markers by takes", "which marker, and since when", archive.picture(seen, door)),
-        ("whole", "Takes, worst first", "by expected damage", archive.takes(seen, door)),
-        ("whole", "Not done", "and why", left) if left else None,
-    )
     return (
-        '<div class="archive-grid">'
-        + "".join(
-            f'<section class="{section[0]}"><h2>{section[1]}<span>{section[2]}</span></h2>'
-            f"{section[3]}</section>"
-            for section in sections
-            if section is not None
-        )
-        + "</div>"
+        f'<div class="archive-grid"><div>{work}</div><div>{what}{where}</div>'
+        f'<div class="whole">{drawn}{_section("Not done", "and why", left) if left else ""}</div>'
+        "</div>"
     )
+
+
+def _section(title: str, explained: str, content: str) -> str:
+    return f"<section><h2>{title}<span>{explained}</span></h2>{content}</section>"
 
 
 def archive_page(seen: Overview) -> str:

@@ -26,6 +26,7 @@ TIME_LIMIT_S = 1800.0
 """Nobody knows how fast the machine is, so this is long: it is for what never ends."""
 _LENGTH = struct.Struct("<Q")
 _BEGUN = "begun"
+_TRIES = 3
 _POSIX = os.name == "posix"
 
 
@@ -45,7 +46,8 @@ class Hand:
 
     def work(self, task: Task) -> Result:
         """Work on one take; if the process dies of it, the take has failed."""
-        while True:
+        code: int | None = None
+        for _ in range(_TRIES):
             process = self._ready()
             overdue = threading.Event()
             timer = threading.Timer(self.limit_s, _end_overdue, (process, overdue))
@@ -55,23 +57,23 @@ class Hand:
             timer.cancel()
             if result is not None:
                 return result
-            _kill(process)
-            code = process.wait()
+            code = _ended(process)
             # One that ended while it had nothing to do is no fault of the take.
             if begun or overdue.is_set() or self._closed:
                 return died(task, code, self.limit_s if overdue.is_set() else None)
+        return Result(task.name, "failed", f"no process to work in can be started here ({code})")
 
     def close(self) -> None:
         """End the process, whatever it does; nothing is worked on after that."""
         self._closed = True
-        if self._process is not None and self._process.returncode is None:
-            _kill(self._process)
-            self._process.wait()
+        if self._process is not None:
+            _ended(self._process)
 
     def _ready(self) -> "subprocess.Popen[bytes]":
-        if self._process is None or self._process.poll() is not None:
-            if self._process is not None:
-                _close_pipes(self._process)
+        if self._process is not None and self._process.poll() is not None:
+            _ended(self._process)
+            self._process = None
+        if self._process is None:
             self._process = subprocess.Popen(
                 [sys.executable, "-P", "-m", __name__],
                 stdin=subprocess.PIPE,
@@ -149,11 +151,16 @@ def _kill(process: "subprocess.Popen[bytes]") -> None:
         process.kill()
 
 
-def _close_pipes(process: "subprocess.Popen[bytes]") -> None:
+def _ended(process: "subprocess.Popen[bytes]") -> int:
+    """End a process and what it started, and give its exit status."""
+    if process.returncode is None:
+        _kill(process)
+        process.wait()
     for pipe in (process.stdin, process.stdout):
         if pipe is not None:
-            with suppress(OSError):
+            with suppress(OSError):  # what was not sent is not sent any more
                 pipe.close()
+    return process.returncode
 
 
 def _end_with_group() -> None:

@@ -12,14 +12,15 @@ from markermend.io.format import all_formats
 
 FINDINGS = ".findings.json"
 _HEAD = 65536
+_HOLD_ANYTHING = (".json", ".txt")
 
 
 def takes_below(folder: Path, without: Path | None = None) -> tuple[str, ...]:
     """Give the takes in a folder and the folders in it, as paths relative to it with ``/``.
 
-    A file counts by its ending; JSON, which may hold anything, only by its content.  A folder that
-    is itself a take (keypoints, one file a frame) is one.  What begins with a dot is passed over,
-    and links to folders are not followed.
+    A file counts by its ending; JSON and plain text, which may hold anything, only by their
+    content.  A folder that is itself a take (keypoints, one file a frame) is one.  What begins with
+    a dot is passed over, and links to folders are not followed.
 
     Parameters
     ----------
@@ -66,7 +67,7 @@ def _may_be_take(path: Path) -> bool:
     ending = path.suffix.lower()
     if not any(ending in format_.extensions for format_ in all_formats()):
         return False
-    if ending != ".json":
+    if ending not in _HOLD_ANYTHING:
         return True
     try:
         with path.open("rb") as file:
