@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import psutil
-
-from markermend.io import second_reader
-from markermend.io.c3d_layout import layout_in
 from tests.trust._frame import Budget, Outcome, Tally, recordings
 from tests.trust._law import fault_of
 from tests.trust._seeds import seeds
+
+from markermend.io import second_reader
+from markermend.io.c3d_layout import layout_in
 
 MINUTES = 34.0
 INPUTS = 3000
