@@ -1,7 +1,7 @@
 """Experiment E3: how much of an artefact a repair removes, with perfect and with detected spans."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,9 @@ KINDS: tuple[Kind, ...] = ("peak", "noise", "step", "slow")
 METHODS = ("linear", "savgol", "spline", "ffnn", "")
 """The four of the paper, and the default of each kind."""
 SPANS = ("perfect", "detected")
+MARGIN = 4
+"""Frames at 100 Hz by which found spans are widened on each side: their ends are not known to the
+frame, and one frame that is left distorted is worse than several that are filled."""
 
 
 @dataclass(frozen=True)
@@ -136,7 +139,7 @@ def e3(
         Of the contamination; one kind and one axis at a time.
     detector
         Name of the detector for the rows with detected spans; every finding of whatever kind is
-        repaired, as in the paper.
+        repaired, as in the paper, over its span and a few frames more.
     simulations, jobs, seed, progress
         As in `markermend.evaluate.e1`.
 
@@ -210,7 +213,7 @@ def _simulate(task: _Task) -> list[tuple[float, ...]]:
     found = detect(distorted, task.detector, kinds=KINDS)
     wanted: dict[str, list[tuple[str, Span, Kind, str | None]]] = {
         "perfect": [(t.marker, t.span, t.kind, None) for t in truths],
-        "detected": [_one(group) for group in overlapping(found)],
+        "detected": [_one(group) for group in overlapping(_widened(found, task.take))],
     }
     figures: list[tuple[float, ...]] = []
     for method in task.methods:
@@ -225,6 +228,15 @@ def _simulate(task: _Task) -> list[tuple[float, ...]]:
             inside = _inside(task.take, mended, truths)
             figures.append((_rms(away), before, inside, len(refusals), len(wishes)))
     return figures
+
+
+def _widened(found: Sequence[Finding], take: Take) -> list[Finding]:
+    """Let spans begin before and end after what was found, except those of single frames."""
+    margin = max(1, round(MARGIN * take.rate / 100.0))
+    return [
+        one if one.kind == "peak" else replace(one, span=one.span.padded(margin, take.n_frames))
+        for one in found
+    ]
 
 
 def _one(group: Sequence[Finding]) -> tuple[str, Span, Kind, str | None]:
