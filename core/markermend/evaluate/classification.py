@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from markermend.detection import detect
+from markermend.detection.likelihood.star import confirmed, star_jumps
 from markermend.detection.run import DEFAULT
 from markermend.errors import BadInput
 from markermend.evaluate.contamination import contaminate
@@ -42,6 +43,9 @@ class SpanFigures:
         Findings that overlap no artefact, per minute of the take.
     unmodified_per_minute
         Findings on the take as it is, per minute.
+    confirmed_per_minute
+        Those among them that jump without any model's help: the marker's distances to its mates
+        jump there, and those among the mates do not. They are hardly false.
     """
 
     true: int
@@ -49,6 +53,7 @@ class SpanFigures:
     called: int
     false_per_minute: float
     unmodified_per_minute: float
+    confirmed_per_minute: float = 0.0
 
     @property
     def found_percent(self) -> float | None:
@@ -131,7 +136,7 @@ class Classification:
         """Give the columns and rows of a table for the terminal: one row per class."""
         columns = (
             "detector", "mm", "share", "class", "TPR %", "FPR %", "F", "found %", "false/min",
-            "unmodified/min",
+            "unmodified/min", "of these jump",
         )  # fmt: skip
         rows = []
         for cell in self.cells:
@@ -151,6 +156,7 @@ class Classification:
                         ),
                         f"{spans.false_per_minute:.1f}",
                         f"{spans.unmodified_per_minute:.1f}",
+                        f"{spans.confirmed_per_minute:.1f}",
                     )
                 )
         return columns, rows
@@ -217,11 +223,12 @@ def e1(
         raise BadInput(
             "Nothing to simulate; give at least one detector, amplitude, share and simulation."
         )
+    jumps = star_jumps(take)
     unmodified = {}
     for detector in detectors:
-        unmodified[detector] = [
-            finding.kind for finding in detect(take, detector, kinds=KINDS, **parameters)
-        ]
+        found = detect(take, detector, kinds=KINDS, **parameters)
+        ids = confirmed(found, jumps)
+        unmodified[detector] = [(finding.kind, finding.id in ids) for finding in found]
     cells = [(d, a, s) for d in detectors for a in amplitudes for s in shares]
     tasks = [
         _Task(take, detector, amplitude, share, _seed(seed, simulation), parameters)
@@ -257,7 +264,7 @@ def _cell(
     amplitude: float,
     share: float,
     results: Sequence[tuple[NDArray[np.int64], Mapping[str, Matches]]],
-    unmodified: Sequence[str],
+    unmodified: Sequence[tuple[str, bool]],
 ) -> Cell:
     matrix = np.mean([counts for counts, _ in results], axis=0)
     minutes = take.duration_s / 60.0
@@ -267,7 +274,8 @@ def _cell(
             found=sum(matches[kind].found for _, matches in results),
             called=sum(matches[kind].called for _, matches in results),
             false_per_minute=sum(m[kind].false for _, m in results) / len(results) / minutes,
-            unmodified_per_minute=unmodified.count(kind) / minutes,
+            unmodified_per_minute=sum(k == kind for k, _ in unmodified) / minutes,
+            confirmed_per_minute=unmodified.count((kind, True)) / minutes,
         )
         for kind in KINDS
     }

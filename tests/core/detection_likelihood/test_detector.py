@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -249,7 +250,11 @@ def test_the_check_without_a_model_confirms_what_jumps() -> None:
     ids = confirmed(found(), jumps)
     by = {(f.marker, f.kind): f.id for f in strong(found())}
     assert by["m3", "step"] in ids
+    assert by["m5", "noise"] in ids
     assert by["m11", "peak"] in ids
+    assert by["m9", "slow"] not in ids
+    elsewhere = [replace(f, span=Span(f.span.start + 20, f.span.stop + 23)) for f in found()]
+    assert not confirmed([f for f in elsewhere if f.kind in ("peak", "step")], jumps)
 
 
 def test_the_same_with_any_number_of_threads() -> None:

@@ -67,6 +67,23 @@ def test_json_is_strict_and_table_has_a_row_per_kind(table):
     assert {len(row) for row in rows} == {len(columns)}
 
 
+def test_what_jumps_in_the_take_as_it_is_is_told_apart():
+    take = swaying()
+    positions = np.array(take.positions)
+    positions[300, 2] += (0, 25, 0)
+    (cell,) = e1(
+        take.with_positions(positions),
+        detectors=["published"],
+        amplitudes=[10.0],
+        shares=[0.1],
+        simulations=1,
+    ).cells
+    peaks, clean = cell.spans["peak"], small(simulations=1).cells[0].spans["peak"]
+    a_minute = 60 / take.duration_s
+    assert peaks.confirmed_per_minute >= clean.confirmed_per_minute + a_minute
+    assert peaks.confirmed_per_minute <= peaks.unmodified_per_minute
+
+
 def test_progress_counts_all():
     seen = []
     small(progress=lambda done, total: seen.append((done, total)))

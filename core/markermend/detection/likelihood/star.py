@@ -17,6 +17,8 @@ from markermend.model import Finding, FloatArray, Take
 
 _MATES = 5
 _RATIO = 4.0  # how much larger the marker's change must be than that among its mates
+_VISIBLE = 0.25  # of an artefact's amplitude, from which a jump counts as its own
+_SEVERAL = 3
 _LAG = 2  # frames on each side that say how distances change anyway
 
 
@@ -40,7 +42,7 @@ class StarJump:
     mates_mm: float
 
 
-def star_jumps(take: Take, least_mm: float = 2.0) -> tuple[StarJump, ...]:
+def star_jumps(take: Take, least_mm: float = 1.0) -> tuple[StarJump, ...]:
     """Find single-frame jumps of one marker against mates that keep their mutual distances.
 
     Parameters
@@ -74,15 +76,27 @@ def star_jumps(take: Take, least_mm: float = 2.0) -> tuple[StarJump, ...]:
 
 
 def confirmed(findings: Iterable[Finding], jumps: Iterable[StarJump]) -> frozenset[str]:
-    """Give the ids of the findings that a star jump confirms: on their marker, in or beside."""
-    frames: dict[str, list[int]] = {}
+    """Give the ids of the findings that jumps of their marker confirm.
+
+    A peak is confirmed by a jump at it, a step by one at either edge, heavy noise by several in its
+    span; a jump counts from a quarter of the finding's amplitude, since the mates see it at an
+    angle. A slow change does not jump, so that this check can never confirm one.
+    """
+    by_marker: dict[str, list[StarJump]] = {}
     for jump in jumps:
-        frames.setdefault(jump.marker, []).append(jump.frame)
-    return frozenset(
-        f.id
-        for f in findings
-        if any(f.span.start - 1 <= t <= f.span.stop + 1 for t in frames.get(f.marker, ()))
-    )
+        by_marker.setdefault(jump.marker, []).append(jump)
+    return frozenset(f.id for f in findings if _jumps_there(f, by_marker.get(f.marker, ())))
+
+
+def _jumps_there(finding: Finding, jumps: Iterable[StarJump]) -> bool:
+    start, stop = finding.span.start, finding.span.stop
+    least = _VISIBLE * (finding.amplitude or 0.0)
+    frames = [jump.frame for jump in jumps if jump.jump_mm >= least]
+    if finding.kind == "noise":
+        return sum(start <= t <= stop for t in frames) >= _SEVERAL
+    if finding.kind in ("peak", "step"):
+        return any(min(abs(t - start), abs(t - stop)) <= 1 for t in frames)
+    return False
 
 
 def _jumps(a: FloatArray, b: FloatArray) -> FloatArray:
