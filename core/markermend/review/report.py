@@ -2,11 +2,12 @@
 
 from collections.abc import Iterable, Mapping
 from datetime import datetime
-from html import escape
+from html import escape as escaped
 
 import numpy as np
 
 from markermend import curves
+from markermend.errors import legible
 from markermend.model import KINDS, Finding, FloatArray, Span, Take
 from markermend.repairing import REPAIRS, Refusal, Repair
 from markermend.review.session import Step
@@ -28,7 +29,7 @@ margin:32px auto;padding:0 20px}h1{font-size:24px;margin:0 0 4px}h2{font-size:17
 margin:32px 0 8px}
 p{margin:4px 0}.quiet{color:#4f5762}table{border-collapse:collapse;width:100%;
 font-variant-numeric:tabular-nums}th{font-weight:400;color:#4f5762;font-size:12px}
-th,td{text-align:right;padding:5px 8px;border-bottom:1px solid #e2e5ea}
+h1,td,figcaption,p{unicode-bidi:isolate}th,td{text-align:right;padding:5px 8px;border-bottom:1px solid #e2e5ea}
 th:nth-child(-n+2),td:nth-child(-n+2){text-align:left}figure{margin:20px 0;break-inside:avoid}
 figcaption{margin-bottom:4px}svg{background:#fff;border:1px solid #e2e5ea;max-width:100%}
 i{display:inline-block;width:10px;height:10px;border-radius:2px;margin-right:6px}
@@ -94,6 +95,8 @@ def report(
         parts.append(f"<p>{len(shown) - MOST_PICTURES} more repairs are in the table only.</p>")
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
+        '<meta http-equiv="Content-Security-Policy" '
+        "content=\"default-src 'none'; style-src 'unsafe-inline'\">"
         f"<title>{escape(name)}: review</title><style>{STYLE}</style></head>"
         f"<body>{''.join(parts)}</body></html>"
     )
@@ -207,3 +210,8 @@ def _dot(kind: str) -> str:
 
 def _mm(value: float | None) -> str:
     return "–" if value is None else f"{value:.1f}" if value < 10 else f"{value:.0f}"
+
+
+def escape(text: str) -> str:
+    """Give a text that came from a file or an operator as HTML: no tag, nothing unseen."""
+    return escaped(legible(text))

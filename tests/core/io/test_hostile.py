@@ -37,6 +37,16 @@ def test_hostile_labels_are_read_as_text_without_what_cannot_be_seen(
     assert read(tmp_path / f"again.{extension}").labels == labels
 
 
+FORMULAS = ("=1+1", "+A1", "-A1", "@SUM(A1:A9)", "'quoted", "'=kept", "plain")
+
+
+def test_no_cell_of_a_table_is_a_formula(tmp_path: Path) -> None:
+    write(takes_with(FORMULAS), tmp_path / "t.csv")
+    head = (tmp_path / "t.csv").read_text().splitlines()[0]
+    assert not [cell for cell in head.split(",") if cell[0] in "=+-@"]
+    assert read(tmp_path / "t.csv", units="mm").labels == (*FORMULAS[:5], "=kept", "plain")
+
+
 def test_labels_that_look_alike_are_told_apart() -> None:
     assert unique_labels(["ab", "a\u202eb", "a\u200bb", "\u200b"]) == ("ab", "ab#2", "ab#3", "*4")
     (cut,) = unique_labels(["x" * 10_000])

@@ -19,6 +19,9 @@ from markermend.io.textfile import TextFile
 from markermend.model import Take
 
 _MOST_HEADER_LINES = 30
+_FORMULA = tuple("=+-@")
+"""What makes spreadsheets compute a cell, with `_TEXT` before it they show it."""
+_TEXT = "'"
 
 
 def recognises(text: str) -> bool:
@@ -61,15 +64,23 @@ def parse(text: TextFile) -> Parsed:
     whole = first is not None and first == int(first)
     return Parsed(
         table,
-        [name for name, _ in named],
+        [_unguarded(name) for name, _ in named],
         None if time is None else rate_of_times(table, time),
         None,
         int(first or 0) if whole else 1,
     )
 
 
+def _unguarded(name: str) -> str:
+    guarded = name.startswith(_TEXT) and name[1:2] in _FORMULA
+    return name[1:] if guarded else name
+
+
 def write_csv(take: Take) -> bytes:
     """Give the bytes of a table in mm with a header line; blank where a marker was not seen.
+
+    A label that a spreadsheet would take for a formula gets an apostrophe before it, which a
+    spreadsheet does not show and `parse` takes off again.
 
     Raises
     ------
@@ -80,7 +91,8 @@ def write_csv(take: Take) -> bytes:
         raise CannotWrite("The table holds three dimensions, this take has two; write .npz.")
     if any(set(label) & set(',;"\t\r\n') for label in take.labels):
         raise CannotWrite("A label holds a comma, quote or tab, which CSV cannot; write .npz.")
-    head = "Frame,Time," + ",".join(f"{name}-T{axis}" for name in take.labels for axis in "XYZ")
+    names = [f"{_TEXT}{name}" if name[:1] in _FORMULA else name for name in take.labels]
+    head = "Frame,Time," + ",".join(f"{name}-T{axis}" for name in names for axis in "XYZ")
     rows = [
         f"{take.first_frame + i},{i / take.rate:.6f},"
         + ",".join("" if np.isnan(x) else f"{x:.5f}" for x in frame.ravel())
