@@ -12,13 +12,15 @@
     ├── CannotRepair            a method does not apply to this span
     ├── CannotWrite             the export would not be faithful, or the disk refused
     └── StoreError              the store of reviews cannot be used
+        ├── Unreachable         the database does not answer
+        ├── Taken               somebody else is at this review
         └── Conflict            somebody else wrote first
 
 Messages follow one grammar: what is wrong, with the value that was given, then what would help.
 """
 
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 _MOST_NAMES, _LONGEST_NAME = 60, 100
 _SPACES = {"Cc", "Zl", "Zp"}
@@ -108,5 +110,37 @@ class StoreError(MarkerMendError):
     """The store of reviews cannot be used."""
 
 
+class Unreachable(StoreError):
+    """The database does not answer; whether it got the last write is not known."""
+
+
+class Taken(StoreError):
+    """Somebody else is at this review; nothing of ours was written.
+
+    Attributes
+    ----------
+    by
+        Name of that person.
+    """
+
+    def __init__(self, message: str, by: str) -> None:
+        super().__init__(message)
+        self.by = by
+
+
 class Conflict(StoreError):
-    """Somebody else wrote to the same review first; nothing of ours was written."""
+    """Somebody else wrote to the same review first; nothing of ours was written.
+
+    Attributes
+    ----------
+    mine
+        The commands that were not written, or empty where the store alone was asked.
+    theirs
+        What was done in between: lines of the journal.
+    """
+
+    def __init__(
+        self, message: str, mine: Sequence[object] = (), theirs: Sequence[object] = ()
+    ) -> None:
+        super().__init__(message)
+        self.mine, self.theirs = tuple(mine), tuple(theirs)

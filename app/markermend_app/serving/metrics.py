@@ -77,11 +77,12 @@ class MeasuredStore(Store):
         after: int,
         lines: Sequence[tuple[Action, Mapping[str, Any] | None]],
         operator: str,
+        token: str = "",
     ) -> tuple[Entry, ...]:
         """Append as `Store.append` does, and count it."""
         try:
             with self._metrics.deciding.time():
-                written = super().append(review, after, lines, operator)
+                written = super().append(review, after, lines, operator, token)
         except Exception:
             self._metrics.refused.inc()
             raise

@@ -6,17 +6,24 @@ import sqlite3
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import URL, Connection, Engine, create_engine, event, inspect, make_url, text
+from sqlalchemy import URL, Connection, Engine, create_engine, event, func, inspect, make_url, text
 from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
+from sqlalchemy.exc import TimeoutError as PoolTimeout
 
-from markermend.errors import StoreError
+from markermend.errors import StoreError, Unreachable
+from markermend.review.backups import keep_before
 from markermend.review.schema import REVISIONS, VERSION_TABLE
 
 VARIABLE = "MARKERMEND_STORE"
 BUSY_S = 15.0
+CONNECT_S = 5
+SILENT_S = 10
+POOL = 5
+"""Connections that one process keeps to a server; under load it opens as many more."""
 _FILE = "reviews.sqlite"
 _WRITES = "markermend_writes"
 _LOCK = 0x6D61726B  # any number; the same for everybody who migrates
@@ -45,22 +52,27 @@ def locate(given: str | Path | None = None) -> URL:
                 "The store's address is no database URL; write it as "
                 "postgresql://user:password@host/name, or give a file."
             ) from None
-        return url.set(drivername="postgresql+psycopg") if url.drivername == "postgresql" else url
-    if where:
-        path = Path(where).expanduser()
-    else:
-        from platformdirs import user_data_path  # costs time that no other start should pay
-
-        path = user_data_path("markermend", appauthor=False) / _FILE
+        known = url.drivername in ("postgresql", "postgres")
+        return url.set(drivername="postgresql+psycopg") if known else url
+    path = Path(where).expanduser() if where else default_file()
     path = (path / _FILE if path.is_dir() else path).absolute()
     return URL.create("sqlite", database=str(path))
+
+
+def default_file() -> Path:
+    """Give the file of the store where none is named: in the user's data folder."""
+    from platformdirs import user_data_path  # costs time that no other start should pay
+
+    return user_data_path("markermend", appauthor=False) / _FILE
 
 
 def shown(url: URL) -> str:
     """Name the store in a message: its file, or its URL without the password."""
     if url.get_backend_name() == "sqlite" and url.database:
         return url.database
-    return url.render_as_string(hide_password=True)
+    # libpq takes passwords among the options too, where SQLAlchemy does not look for them.
+    hidden = {name: "***" for name in url.query if "password" in name.lower()}
+    return url.update_query_dict(hidden).render_as_string(hide_password=True)
 
 
 def open_engine(url: URL) -> Engine:
@@ -82,11 +94,14 @@ def open_engine(url: URL) -> Engine:
                 "choose another place with --store."
             ) from None
     try:
-        engine = create_engine(url, json_serializer=_strict_json, pool_pre_ping=not is_sqlite)
-    except (NoSuchModuleError, ModuleNotFoundError) as error:
+        engine = create_engine(
+            url, json_serializer=_strict_json, **({} if is_sqlite else _for_a_server(url))
+        )
+    except (NoSuchModuleError, ImportError) as error:
+        wanted = "pip install 'markermend[postgres]'" if "psycopg" in str(error) else "install it"
         raise StoreError(
             f"The store {where} needs a database driver that is not installed ({error}); "
-            "install it, or give a file with --store."
+            f"{wanted}, or give a file with --store."
         ) from None
     if is_sqlite:
         event.listen(engine, "connect", _keep_every_commit)
@@ -109,33 +124,109 @@ def writing(engine: Engine) -> Iterator[Connection]:
             yield connection
 
 
+def moment(engine: Engine) -> Any:
+    """Give now: by the server's clock, since those of its users differ, as a part of a query."""
+    if engine.dialect.name == "postgresql":
+        return func.timezone("UTC", func.clock_timestamp())
+    return datetime.now(UTC)
+
+
+def _for_a_server(url: URL) -> dict[str, Any]:
+    """Give what a pool of connections to a server needs; the address may say otherwise."""
+    if url.get_backend_name() != "postgresql":
+        return {"pool_pre_ping": True}
+    wanted = {
+        "application_name": "markermend",
+        "connect_timeout": CONNECT_S,
+        "tcp_user_timeout": SILENT_S * 1000,  # a cable that was pulled is noticed
+    }
+    return {
+        "pool_size": POOL,
+        "max_overflow": POOL,
+        "pool_timeout": BUSY_S,
+        "pool_recycle": 1800,  # routers forget connections that are silent for long
+        "pool_pre_ping": True,
+        "connect_args": {name: wanted[name] for name in wanted if name not in url.query},
+    }
+
+
 @contextmanager
 def spoken(where: str) -> Iterator[None]:
-    """Say what a database says in a sentence with a way out."""
+    """Say what a database says in a sentence with a way out.
+
+    Raises
+    ------
+    Unreachable
+        If the server of a database does not answer.
+    StoreError
+        For all else.
+    """
     try:
         yield
     except DBAPIError as error:
-        said = str(error.orig).strip().split("\n")[0]
-        raise StoreError(f"The store {where} {_meaning(said)}") from error
+        raise refusal(where, error) from error
+    except PoolTimeout as error:
+        raise Unreachable(
+            f"The store {where} is busy: all connections are in use; wait a moment and try again."
+        ) from error
 
 
-def _meaning(said: str) -> str:
+def refusal(where: str, error: DBAPIError) -> StoreError:
+    """Give the error to raise for what a database said."""
+    said = str(error.orig).strip()
     lower = said.lower()
-    for words, meaning in (
-        (("locked", "busy"), "is in use by another program; wait a moment and try again."),
-        (("full",), "has no room left on its disk; free some space, nothing stored is lost."),
-        (
-            ("readonly", "read-only", "unable to open", "permission"),
-            "cannot be written; choose another place with --store.",
-        ),
-        (
-            ("not a database", "malformed", "corrupt", "encrypted"),
-            "is damaged or no store of reviews; choose another with --store, or a backup.",
-        ),
-    ):
+    for words, meaning in _SERVER:
         if any(word in lower for word in words):
-            return meaning
-    return f"cannot be used ({said}); choose another with --store."
+            return StoreError(f"The store {where} {meaning}")
+    if error.connection_invalidated or any(word in lower for word in _GONE):
+        return Unreachable(
+            f"The store {where} does not answer; see that its server runs and can be reached, "
+            "then try again."
+        )
+    first = said.split("\n")[0]
+    meanings = (m for words, m in _FILE_SAYS if any(word in first.lower() for word in words))
+    other = f"cannot be used ({first}); choose another with --store."
+    return StoreError(f"The store {where} {next(meanings, other)}")
+
+
+_SERVER = (
+    (
+        ("password", "authentication failed", "no pg_hba.conf entry"),
+        "lets nobody in with this name and password; see the address given with --store.",
+    ),
+    (
+        ("too many clients", "too many connections", "connection slots"),
+        "has no connection left; close some pages, or let its server have more.",
+    ),
+)
+_GONE = (
+    "connection refused",
+    "connection failed",
+    "connection timeout",
+    "timeout expired",
+    "could not connect",
+    "could not translate host",
+    "failed to resolve host",
+    "server closed the connection",
+    "connection is lost",
+    "connection is closed",
+    "terminating connection",
+    "starting up",
+    "shutting down",
+    "recovery mode",
+)
+_FILE_SAYS = (
+    (("locked", "busy"), "is in use by another program; wait a moment and try again."),
+    (("full",), "has no room left on its disk; free some space, nothing stored is lost."),
+    (
+        ("readonly", "read-only", "unable to open", "permission"),
+        "cannot be written; choose another place with --store.",
+    ),
+    (
+        ("not a database", "malformed", "corrupt", "encrypted"),
+        "is damaged or no store of reviews; choose another with --store, or a backup.",
+    ),
+)
 
 
 def _strict_json(value: Any) -> str:
@@ -199,6 +290,18 @@ def _bring_up_to_date(engine: Engine, where: str) -> None:
     with writing(engine) as connection:
         if engine.dialect.name == "postgresql":
             connection.execute(text("SELECT pg_advisory_xact_lock(:n)"), {"n": _LOCK})
-        if _version(connection, where) != REVISIONS[-1]:  # else another process was faster
+        found = _version(connection, where)
+        if found != REVISIONS[-1]:  # else another process was faster
+            file = store_file(connection)
+            if found is not None and file is not None:
+                keep_before(file, found)
             config.attributes["connection"] = connection
             command.upgrade(config, "head")
+
+
+def store_file(connection: Connection) -> Path | None:
+    """Give the file of an SQLite store; None where it is a server or nowhere."""
+    if connection.dialect.name != "sqlite":
+        return None
+    named = connection.exec_driver_sql("PRAGMA database_list").fetchall()
+    return next((Path(file) for _, name, file in named if name == "main" and file), None)

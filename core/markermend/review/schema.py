@@ -5,6 +5,7 @@ from typing import Any
 
 from sqlalchemy import (
     JSON,
+    Boolean,
     Column,
     DateTime,
     Dialect,
@@ -19,7 +20,7 @@ from sqlalchemy import (
     UniqueConstraint,
 )
 
-REVISIONS = ("0001", "0002", "0003")
+REVISIONS = ("0001", "0002", "0003", "0004")
 """All schemas so far, oldest first; kept here since loading the migrations takes half a second."""
 
 VERSION_TABLE = "markermend_schema"
@@ -77,6 +78,7 @@ journal = Table(
     Column("command", JSON(none_as_null=True)),
     Column("operator", Text, nullable=False),
     Column("at", Utc, nullable=False),
+    Column("token", String(32)),  # of the call that wrote the line: a retry finds its own lines
 )
 
 exercises = Table(
@@ -128,4 +130,41 @@ archive_takes = Table(
     Column("take", String(64)),
     Column("status", String(16), nullable=False),
     Column("reason", Text, nullable=False),
+)
+
+claims = Table(
+    "claims",
+    metadata,
+    Column("take", String(64), ForeignKey("takes.sha256"), primary_key=True),
+    Column("seat", Text, primary_key=True),
+    Column("review", Integer, ForeignKey("reviews.id"), nullable=False, index=True),
+    Column("operator", Text, nullable=False),
+    Column("session", String(32), nullable=False),
+    Column("since", Utc, nullable=False),
+    Column("until", Utc, nullable=False),
+)
+
+second_reviews = Table(
+    "second_reviews",
+    metadata,
+    Column("id", Integer, primary_key=True),
+    Column("take", String(64), ForeignKey("takes.sha256"), nullable=False, index=True),
+    Column("asked_by", Text, nullable=False),
+    Column("asked_of", Text),
+    Column("blinded", Boolean, nullable=False),
+    Column("note", Text, nullable=False),
+    Column("at", Utc, nullable=False),
+    Column("ended", Utc),
+    Column("ended_by", Text),
+    Column("review", Integer, ForeignKey("reviews.id")),
+)
+
+recipes = Table(
+    "recipes",
+    metadata,
+    Column("name", Text, primary_key=True),
+    Column("version", Integer, primary_key=True, autoincrement=False),
+    Column("content", JSON, nullable=False),
+    Column("author", Text, nullable=False),
+    Column("at", Utc, nullable=False),
 )

@@ -6,11 +6,11 @@ from datetime import datetime
 from threading import RLock
 from typing import Literal
 
-from markermend.errors import MarkerMendError, StoreError
+from markermend.errors import Conflict, MarkerMendError, StoreError, Unreachable
 from markermend.model import Take
 from markermend.review.commands import Command, command_from_json
 from markermend.review.state import Review
-from markermend.review.store import Action, Entry, ReviewRecord, Store
+from markermend.review.store import Action, Entry, ReviewRecord, Store, new_token
 
 _STRIDE = 64
 """A review is kept for every so many steps; those between are replayed when undo needs them."""
@@ -23,6 +23,18 @@ class Step:
     command: Command
     at: datetime
     operator: str
+
+
+@dataclass(frozen=True)
+class _Unsaved:
+    """Lines that the store did not acknowledge; it knows them by their token if it has them."""
+
+    lines: tuple[tuple[Action, Command | None], ...]
+    token: str
+
+    @property
+    def commands(self) -> tuple[Command, ...]:
+        return tuple(command for _, command in self.lines if command is not None)
 
 
 @dataclass(frozen=True)
@@ -95,6 +107,7 @@ class ReviewSession:
         self._kept: dict[int, Review] = {0: Review()}
         self._present = Review()
         self._seq = 0
+        self._unsaved: list[_Unsaved] = []
         self._follow(store.entries(record.id))
 
     @classmethod
@@ -115,6 +128,12 @@ class ReviewSession:
         """Everything that can be undone or redone."""
         with self._lock:
             return History((*self._past, *reversed(self._undone)), len(self._past))
+
+    @property
+    def unsaved(self) -> tuple[Command, ...]:
+        """What was decided while the store did not answer; see `save`."""
+        with self._lock:
+            return tuple(command for one in self._unsaved for command in one.commands)
 
     @property
     def can_undo(self) -> bool:
@@ -140,23 +159,54 @@ class ReviewSession:
         BadInput
             If the command makes no sense on this review; nothing is written then.
         Conflict
-            If the review was changed elsewhere; `refresh` and try again.
+            If the review was changed elsewhere; see `markermend.review.conflicts`.
+        Taken
+            If somebody else has taken the review over.
+        Unreachable
+            If the store does not answer; the command is kept in `unsaved` until it does.
         StoreError
             If it could not be written; the review is as before.
         """
         with self._lock:
+            if self._unsaved:
+                self._keep(command)
+                return self.save()
             if command.apply(self._present) == self._present:
                 return Change(self._present, self._present, (), (command,))
             return self._write([("do", command)])
 
+    def save(self) -> Change:
+        """Write what is still unsaved, in its order, each once.
+
+        Raises
+        ------
+        Unreachable
+            If the store still does not answer.
+        Conflict
+            If the review was changed elsewhere meanwhile; the error carries what was unsaved.
+        """
+        with self._lock:
+            before, commands = self._present, list[Command]()
+            while self._unsaved:
+                commands += self._send(self._unsaved[0]).commands
+            ids = tuple(before.changed(self._present))
+            return Change(before, self._present, ids, tuple(commands))
+
+    def drop_unsaved(self) -> None:
+        """Give up what is unsaved."""
+        with self._lock:
+            self._unsaved.clear()
+
     def undo(self) -> Change | None:
         """Go one command back; None if there is no past."""
         with self._lock:
+            self.save()
             return self.go_to(len(self._past) - 1) if self._past else None
 
     def redo(self) -> Change | None:
         """Go one command on; None if nothing was undone."""
         with self._lock:
+            self.save()
             return self.go_to(len(self._past) + 1) if self._undone else None
 
     def go_to(self, position: int) -> Change:
@@ -184,17 +234,49 @@ class ReviewSession:
         self.store.set_status(self.record.id, status)
 
     def _write(self, lines: list[tuple[Action, Command | None]]) -> Change:
-        records = [
-            (action, None if command is None else command.to_json()) for action, command in lines
-        ]
-        return self._follow(
-            self.store.append(self.record.id, self._seq, records, self.operator) if records else ()
-        )
+        if not lines:
+            return self._follow(())
+        self._unsaved.append(_Unsaved(tuple(lines), new_token()))
+        return self._send(self._unsaved[-1])
+
+    def _keep(self, command: Command) -> None:
+        """Put a command after those that are unsaved, if it makes sense there."""
+        review = self._present
+        for one in self._unsaved:
+            if len(one.commands) < len(one.lines):  # steps back and forth are not foreseen
+                self.save()
+                break
+            for earlier in one.commands:
+                review = earlier.apply(review)
+        if command.apply(review) != review:
+            self._unsaved.append(_Unsaved((("do", command),), new_token()))
+
+    def _send(self, one: _Unsaved) -> Change:
+        """Write the first of what is unsaved; it stays unsaved only where nobody answers."""
+        records = [(act, None if said is None else said.to_json()) for act, said in one.lines]
+        try:
+            entries = self.store.append(
+                self.record.id, self._seq, records, self.operator, one.token
+            )
+        except Unreachable as error:
+            n = len(self.unsaved)
+            kept = f" {n} decision{'s are' if n > 1 else ' is'} kept here, not saved yet."
+            raise Unreachable(f"{error}{kept if n else ''}") from error
+        except Conflict as conflict:
+            mine = self.unsaved
+            self._unsaved.clear()
+            raise Conflict(str(conflict), mine, conflict.theirs) from conflict
+        except StoreError:
+            self._unsaved.remove(one)
+            raise
+        return self._follow(entries)
 
     def _follow(self, entries: tuple[Entry, ...]) -> Change:
         """Let the entries of the journal happen: live and in a replay this is the only way."""
         before = self._present
         commands = tuple(self._happen(entry) for entry in entries)
+        there = {entry.token for entry in entries}
+        self._unsaved = [one for one in self._unsaved if one.token not in there]
         touched = dict.fromkeys(f.id for command in commands for f in command.findings)
         differ = before.changed(self._present)
         first = [id_ for id_ in touched if id_ in set(differ)]

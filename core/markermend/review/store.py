@@ -7,24 +7,36 @@ a backup, give its file as the store.
 
 import getpass
 import os
+import secrets
 import sqlite3
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Literal, Self
+from typing import Any, Literal, Self, TypeVar
 
-from sqlalchemy import Connection, Row, Select, Table, insert, select, update
-from sqlalchemy.exc import IntegrityError
+from sqlalchemy import Connection, Row, Select, Table, func, insert, select, update
+from sqlalchemy.exc import DBAPIError, IntegrityError
 
-from markermend.errors import Conflict, StoreError
+from markermend.errors import Conflict, StoreError, Taken
 from markermend.model import Take
-from markermend.review.database import locate, open_engine, shown, spoken, writing
-from markermend.review.schema import journal, reviews, takes
+from markermend.review.backups import copy_store
+from markermend.review.database import (
+    default_file,
+    locate,
+    moment,
+    open_engine,
+    shown,
+    spoken,
+    store_file,
+    writing,
+)
+from markermend.review.schema import claims, journal, reviews, takes
 
 Action = Literal["do", "undo", "redo"]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -56,13 +68,19 @@ class ReviewRecord:
 
 @dataclass(frozen=True)
 class Entry:
-    """A line of a journal: ``command`` belongs to ``"do"`` alone."""
+    """A line of a journal: ``command`` belongs to ``"do"`` alone, ``token`` to the call."""
 
     seq: int
     action: Action
     command: Mapping[str, Any] | None
     operator: str
     at: datetime
+    token: str | None = None
+
+
+def new_token() -> str:
+    """Make a name that nothing else has."""
+    return secrets.token_hex(16)
 
 
 def default_operator() -> str:
@@ -92,6 +110,12 @@ class Store:
         url = locate(where)
         self.where = shown(url)
         self._engine = open_engine(url)
+
+    @property
+    def folder(self) -> Path:
+        """Where files may be kept that belong to the store: beside it, or in your data folder."""
+        with spoken(self.where), self._engine.connect() as connection:
+            return (store_file(connection) or default_file()).parent
 
     def close(self) -> None:
         """Close all connections."""
@@ -133,7 +157,8 @@ class Store:
         values |= {"given_rate": given_rate} if given_rate is not None else {}
         known = update(takes).where(takes.c.sha256 == take.content_hash).values(**values)
         fresh = insert(takes).values(sha256=take.content_hash, first_seen=now, **values)
-        with spoken(self.where):
+
+        def write() -> None:
             try:
                 with writing(self._engine) as connection:
                     if not connection.execute(known).rowcount:
@@ -141,6 +166,8 @@ class Store:
             except IntegrityError:  # somebody else inserted it in between
                 with writing(self._engine) as connection:
                     connection.execute(known)
+
+        self._again(write)
 
     def take(self, sha256: str) -> TakeRecord | None:
         """Give what is known of a take, or None."""
@@ -191,12 +218,15 @@ class Store:
         fresh = insert(reviews).values(
             take=take, operator=who, purpose=purpose, status="open", created=datetime.now(UTC)
         )
-        with spoken(self.where):
+
+        def write() -> None:
             try:
                 with writing(self._engine) as connection:
                     connection.execute(fresh)
             except IntegrityError:  # two windows began it at once: it is there now
                 pass
+
+        self._again(write)
         return _review_record(self._rows(wanted)[0])
 
     def reviews(self, take: str | None = None) -> tuple[ReviewRecord, ...]:
@@ -208,8 +238,13 @@ class Store:
 
     def set_status(self, review: int, status: Literal["open", "finished"]) -> None:
         """Say that a review is finished, or open again."""
-        with spoken(self.where), writing(self._engine) as connection:
-            connection.execute(update(reviews).where(reviews.c.id == review).values(status=status))
+        change = update(reviews).where(reviews.c.id == review).values(status=status)
+
+        def write() -> None:
+            with writing(self._engine) as connection:
+                connection.execute(change)
+
+        self._again(write)
 
     def entries(self, review: int, after: int = 0) -> tuple[Entry, ...]:
         """Give the journal of a review, from the entry that follows number `after`."""
@@ -219,7 +254,7 @@ class Store:
             .order_by(journal.c.seq)
         )
         return tuple(
-            Entry(row.seq, row.action, row.command, row.operator, row.at)
+            Entry(row.seq, row.action, row.command, row.operator, row.at, row.token)
             for row in self._rows(query)
         )
 
@@ -229,8 +264,9 @@ class Store:
         after: int,
         lines: Sequence[tuple[Action, Mapping[str, Any] | None]],
         operator: str,
+        token: str = "",
     ) -> tuple[Entry, ...]:
-        """Append to a journal, all lines or none.
+        """Append to a journal, all lines or none, and never twice.
 
         Parameters
         ----------
@@ -242,37 +278,71 @@ class Store:
             Actions with their commands.
         operator
             Who does it.
+        token
+            Names this call: said again with the same token, after a connection was lost, it finds
+            the lines that it wrote the first time. By default a new one.
 
         Raises
         ------
         Conflict
             If somebody else has appended since.
+        Taken
+            If somebody else has claimed the take of this review.
+        Unreachable
+            If the database does not answer; call again with the same token.
         """
-        now = datetime.now(UTC)
+        now, token = datetime.now(UTC), token or new_token()
         fresh = tuple(
-            Entry(after + i, action, command, operator, now)
+            Entry(after + i, action, command, operator, now, token)
             for i, (action, command) in enumerate(lines, 1)
         )
-        rows = [
-            {
-                "review": review,
-                "seq": entry.seq,
-                "action": entry.action,
-                "command": entry.command,
-                "operator": entry.operator,
-                "at": entry.at,
-            }
-            for entry in fresh
-        ]
-        with spoken(self.where):
+
+        def write() -> tuple[Entry, ...]:
             try:
                 with writing(self._engine) as connection:
-                    connection.execute(insert(journal), rows)
-            except IntegrityError:  # an entry of that number is there already
-                raise Conflict(
-                    "This review was changed in another window; reload it to go on from there."
-                ) from None
-        return fresh
+                    last, holder = connection.execute(self._state_of(review, operator)).one()
+                    if last == after and holder is None:
+                        rows = [{"review": review, **asdict(entry)} for entry in fresh]
+                        connection.execute(insert(journal), rows)
+                        return fresh
+            except IntegrityError:  # an entry of that number came in between
+                holder = None
+            return self._written_before(review, after, fresh, holder)
+
+        return self._again(write)
+
+    def _state_of(self, review: int, operator: str) -> Select[Any]:
+        """Ask for the last number of a journal, and for who else has claimed the review."""
+        last = select(func.coalesce(func.max(journal.c.seq), 0)).where(journal.c.review == review)
+        others = (
+            select(claims.c.operator)
+            .where(claims.c.review == review, claims.c.operator != operator)
+            .where(claims.c.until > moment(self._engine))
+            .limit(1)
+        )
+        return select(last.scalar_subquery(), others.scalar_subquery())
+
+    def _written_before(
+        self, review: int, after: int, fresh: tuple[Entry, ...], holder: str | None
+    ) -> tuple[Entry, ...]:
+        """Give our own lines, where an earlier try wrote them; else say what stands in the way."""
+        there = self.entries(review, after)
+        if fresh and [entry.token for entry in there[: len(fresh)]] == [fresh[0].token] * len(
+            fresh
+        ):
+            return there[: len(fresh)]
+        if holder is not None:
+            raise Taken(
+                f"{holder} has taken this review over; look on, or take it over again.", holder
+            )
+        if there:
+            raise Conflict(
+                "This review was changed in another window; reload it to go on from there.",
+                theirs=there,
+            )
+        raise StoreError(
+            f"The store {self.where} went back to a backup; open the take again to go on from it."
+        )
 
     def backup(self, path: str | Path) -> None:
         """Copy an SQLite store while it is in use; the copy is whole or absent.
@@ -283,27 +353,45 @@ class Store:
             If the file cannot be written, or the store is no SQLite file.
         """
         if self._engine.dialect.name != "sqlite":
-            raise StoreError(f"The store {self.where} is no file; back it up with pg_dump.")
+            raise StoreError(
+                f"The store {self.where} is on a server; back it up with pg_dump --format=custom."
+            )
         target = Path(path).absolute()
         if str(target) == self.where:
             raise StoreError(f"{target} is the store itself; give another file for the backup.")
-        draft = target.with_name(f".{target.name}.{os.getpid()}.part")
-        try:
-            with closing(sqlite3.connect(draft)) as copy, self._engine.connect() as connection:
-                source = connection.connection.driver_connection
-                assert isinstance(source, sqlite3.Connection)
-                source.backup(copy)
-            draft.replace(target)
-        except (OSError, sqlite3.Error) as error:
-            raise StoreError(
-                f"The backup {target} cannot be written ({error}); choose another place."
-            ) from None
-        finally:
-            draft.unlink(missing_ok=True)
+        with spoken(self.where), self._engine.connect() as connection:
+            source = connection.connection.driver_connection
+            assert isinstance(source, sqlite3.Connection)
+            copy_store(source, target)
+
+    def damage(self) -> tuple[str, ...]:
+        """Say what the database itself finds wrong with what it keeps; nothing where all is well.
+
+        A server watches over its own pages and says nothing here.
+        """
+        if self._engine.dialect.name != "sqlite":
+            return ()
+        with spoken(self.where), self._engine.connect() as connection:
+            said = connection.exec_driver_sql("PRAGMA integrity_check(20)").scalars().all()
+            strays = connection.exec_driver_sql("PRAGMA foreign_key_check").fetchall()
+        found = [f"The file {self.where} is damaged ({line})." for line in said if line != "ok"]
+        found += [
+            f"Row {row} of {table} in {self.where} belongs to nothing in {other}."
+            for table, row, other, _ in strays[:20]
+        ]
+        return tuple(found)
 
     def rows(self, query: Select[Any]) -> list[Row[Any]]:
         """Answer a query; for rooms that keep tables of their own here (`schema`)."""
         return self._rows(query)
+
+    def now(self) -> datetime:
+        """Give the time by the clock that all users of the store share."""
+        clock = moment(self._engine)
+        if isinstance(clock, datetime):
+            return clock
+        told: datetime = self._rows(select(clock))[0][0]
+        return told.replace(tzinfo=UTC)
 
     @contextmanager
     def transaction(self) -> Iterator[Connection]:
@@ -319,8 +407,21 @@ class Store:
             return int(done.inserted_primary_key[0])
 
     def _rows(self, query: Any) -> list[Row[Any]]:
-        with spoken(self.where), self._engine.connect() as connection:
-            return list(connection.execute(query))
+        def read() -> list[Row[Any]]:
+            with self._engine.connect() as connection:
+                return list(connection.execute(query))
+
+        return self._again(read)
+
+    def _again(self, call: Callable[[], T]) -> T:
+        """Make a call that may be made twice, and make it again if its connection is lost."""
+        with spoken(self.where):
+            try:
+                return call()
+            except DBAPIError as error:
+                if not error.connection_invalidated:
+                    raise
+            return call()
 
 
 def storable(path: str | Path) -> str:

@@ -14,6 +14,7 @@ from alembic.config import Config
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 
+from markermend.errors import StoreError
 from markermend.model import Span
 from markermend.review import database
 from markermend.review.schema import REVISIONS, VERSION_TABLE, metadata
@@ -77,12 +78,51 @@ def test_only_one_of_two_migrates(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert len(calls) == 1
 
 
-@pytest.mark.parametrize("schema", REVISIONS)
-def test_a_store_of_every_schema_opens(tmp_path: Path, schema: str) -> None:
-    where = tmp_path / "reviews.sqlite"
+def stored(where: Path, schema: str) -> list[str]:
+    """Make a store as a program of that schema left it, and give all that is in it."""
     with closing(sqlite3.connect(where)) as raw:
         raw.executescript((ASSETS / f"store-{schema}.sql").read_text(encoding="utf-8"))
         assert raw.execute(f"SELECT version_num FROM {VERSION_TABLE}").fetchall() == [(schema,)]
+        return list(raw.iterdump())
+
+
+@pytest.mark.parametrize("schema", REVISIONS[:-1])
+def test_what_was_there_is_kept_before_a_schema_changes(tmp_path: Path, schema: str) -> None:
+    where = tmp_path / "reviews.sqlite"
+    before = stored(where, schema)
+    Store(where).close()
+    kept = tmp_path / f"reviews.schema-{schema}.sqlite"
+    assert sorted(tmp_path.glob("*.sqlite")) == sorted([where, kept])
+    with closing(sqlite3.connect(kept)) as raw:
+        assert list(raw.iterdump()) == before
+    Store(where).close()  # nothing changes any more, and nothing is copied
+    assert len(list(tmp_path.glob("*.sqlite"))) == 2
+
+
+def test_without_a_copy_no_schema_changes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    where = tmp_path / "reviews.sqlite"
+    before = stored(where, REVISIONS[0])
+    monkeypatch.setattr(database, "keep_before", _refuse)
+    with pytest.raises(StoreError, match="cannot be written"):
+        Store(where)
+    with closing(sqlite3.connect(where)) as raw:
+        assert list(raw.iterdump()) == before
+
+
+def test_an_earlier_copy_is_never_replaced(tmp_path: Path) -> None:
+    where = tmp_path / "reviews.sqlite"
+    earlier = tmp_path / f"reviews.schema-{REVISIONS[0]}.sqlite"
+    earlier.write_text("an earlier one")
+    stored(where, REVISIONS[0])
+    Store(where).close()
+    assert earlier.read_text() == "an earlier one"
+    assert (tmp_path / f"reviews.schema-{REVISIONS[0]}-2.sqlite").exists()
+
+
+@pytest.mark.parametrize("schema", REVISIONS)
+def test_a_store_of_every_schema_opens(tmp_path: Path, schema: str) -> None:
+    where = tmp_path / "reviews.sqlite"
+    stored(where, schema)
     with Store(where) as store:
         (take,) = store.takes()
         assert (take.name, take.n_frames, take.rate) == ("walk.c3d", 200, 100.0)
@@ -115,6 +155,10 @@ def test_a_store_of_every_schema_opens(tmp_path: Path, schema: str) -> None:
         assert [finding.span for finding in session.review.live() if finding.kind == "noise"] == [
             Span(150, 160)
         ]
+
+
+def _refuse(*_: object) -> Path:
+    raise StoreError("The backup cannot be written.")
 
 
 def _fail_at(table: str):  # type: ignore[no-untyped-def]
