@@ -55,6 +55,15 @@ class Page(Careful, DocHandler):  # type: ignore[misc]
 class Socket(WSHandler):  # type: ignore[misc]
     """The websocket of a page; from a page of another server, none is opened."""
 
+    async def prepare(self) -> None:
+        """Refuse before the handshake; Tornado alone would look at the host and not the scheme."""
+        origin = self.request.headers.get("Origin")
+        if origin is not None and not self.check_origin(origin):
+            self.set_status(403)
+            self.finish("This page is not the server's own.\n")
+            return
+        await super().prepare()
+
     def check_origin(self, origin: str) -> bool:
         """Say whether the page is this server's own."""
         doors: Doors = self.settings["doors"]

@@ -17,6 +17,7 @@ from panel.io.server import (
     WSHandler,
     get_server,
 )
+from tornado.web import ErrorHandler
 
 from markermend.errors import BadInput
 from markermend.review.store import Store
@@ -114,7 +115,10 @@ def make(serving: Serving, page: Callable[[], Any], **options: Any) -> Any:
         xsrf_cookies=True,
         transforms=[GuardedByTls if serving.doors.https else Guarded],
         websocket_max_message_size=MOST_MESSAGE_BYTES,
-        http_server_kwargs={"max_buffer_size": MOST_BODY_BYTES},
+        http_server_kwargs={
+            "max_body_size": MOST_BODY_BYTES,
+            "max_buffer_size": 2 * MOST_MESSAGE_BYTES,
+        },
         extra_patterns=[("/health", Health), ("/metrics", Counts)],
         log_function=serving.metrics.log,
         **options,
@@ -135,6 +139,7 @@ def _narrow(app: Any, doors: Doors) -> None:
             rule.target = Socket
     rules[:] = [rule for rule in rules if rule.target not in UNUSED]
     app.add_handlers(doors.foreign_host, [(r"(?!/health$).*", Foreign)])
+    app.add_handlers(r".*", [(r".*%00.*", ErrorHandler, {"status_code": 404})])
 
 
 def free_port(address: str, wanted: int | None) -> int:

@@ -5,6 +5,9 @@ from pathlib import Path, PureWindowsPath
 
 from markermend.errors import BadInput
 
+LONGEST = 1024
+"""Characters of a path; file systems take about as many."""
+
 
 class Reach:
     """One folder; a path leads into it, or is refused.
@@ -60,7 +63,7 @@ def _is_plain(text: str) -> bool:
 
     A drive, a share, a device or a stream of Windows means the same refusal everywhere.
     """
-    if not text.isprintable() or text.startswith("~"):
+    if not text.isprintable() or text.startswith("~") or len(text) > LONGEST:
         return False
     windows = PureWindowsPath(text)
     if os.name == "nt":

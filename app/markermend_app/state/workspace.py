@@ -152,8 +152,7 @@ class Workspace:
         given = (units or self.units, rate or self.rate)
         with self._lock:
             progress("Reading")
-            stamp = path.stat() if path.exists() else None
-            key = (path, *given, stamp and (stamp.st_mtime_ns, stamp.st_size))
+            key = (path, *given, _stamp(path))
             if key not in self._kept:
                 take = io.read(
                     path, units=given[0], rate=given[1], ignore_residuals=self.ignore_residuals
@@ -263,6 +262,14 @@ class Workspace:
                 "markermend review PATH."
             ) from None
         return folder / plain
+
+
+def _stamp(path: Path) -> tuple[int, int] | None:
+    try:
+        found = path.stat()
+    except (OSError, ValueError):  # there is none, or there cannot be one of that name
+        return None
+    return found.st_mtime_ns, found.st_size
 
 
 def extensions() -> tuple[str, ...]:
