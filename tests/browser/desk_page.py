@@ -20,12 +20,12 @@ VIEW = """(name) => {
 
 
 class Server:
-    """The command ``markermend review``, as a process of its own."""
+    """The command ``markermend review``, or another that serves, as a process of its own."""
 
-    def __init__(self, *arguments: str | Path, store: Path) -> None:
+    def __init__(self, *arguments: str | Path, store: Path, command: str = "review") -> None:
         self.process = subprocess.Popen(
             [
-                sys.executable, "-m", "markermend_app", "review", *map(str, arguments),
+                sys.executable, "-m", "markermend_app", command, *map(str, arguments),
                 "--no-browser", "--store", str(store),
             ],
             stdout=subprocess.PIPE,
