@@ -133,7 +133,7 @@ def _share(right: int, of: int, low: float, high: float) -> str:
 
 
 def _two(value: float | None) -> str:
-    return "–" if value is None else f"{value:.2f}"
+    return "–" if value is None else f"{round(value, 2) + 0.0:.2f}"
 
 
 def _matrix(grade: Grade) -> str:

@@ -111,6 +111,8 @@ def verdict(
     if before is None or after is None:
         return f"{text}."
     change = f"{_mm(before)} to {_mm(after)}"
+    if worse and _mm(before) == _mm(after):
+        return f"{text}, and left the take a little worse than you got it: {_mm(after)} now."
     if worse:
         return f"{text}, and left the take worse than you got it: {change}."
     if before - after <= 1e-6:
