@@ -153,7 +153,8 @@ def recommended(rows: Sequence[Preview], judged: Judgement, *, complete: bool) -
     tried = [row.row for row in rows if row.compared]
     kind = judged.kind
     if complete or any(row.trust is not None for row in tried):
-        found = concluded(judged.finding.marker, judged.span, kind, tried)
+        finding = judged.finding
+        found = concluded(finding.marker, judged.span, kind, tried, finding.partner)
         return Offer(in_order(rows), found.recommended, found.why, complete)
     return Offer(in_order(rows), _default(rows, kind), "", complete)
 

@@ -105,7 +105,7 @@ def _tip(preview: Preview) -> str:
             f"usual {number(c.usual_step_mm)}."
         )
         if not c.detected:
-            said.append("Too far off to look for new artefacts.")
+            said.append(c.unlooked)
     return " ".join(said)
 
 

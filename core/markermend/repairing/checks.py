@@ -38,6 +38,8 @@ class Checks:
         What the detector finds there after the repair.
     detected
         Whether the detector was run.
+    unlooked
+        Why it was not, in a sentence, or empty.
     """
 
     step_mm: float
@@ -48,6 +50,7 @@ class Checks:
     usual_distance_mm: float | None
     artefacts: tuple[Finding, ...]
     detected: bool
+    unlooked: str = ""
 
 
 class Inspector:
@@ -85,9 +88,14 @@ class Inspector:
         values
             (len(span), n_dims) mm.
         run_detector
-            Look for new artefacts, which takes most of the time.
+            Look for new artefacts where the detector can, which takes most of the time.
         """
         step, slope = self._edges(values)
+        unlooked = "" if run_detector else "Too far off to look for new artefacts."
+        if self._problem.n_dims != 3:
+            unlooked = "The detector does not look for new artefacts in 2D."
+        elif not len(self._company):
+            unlooked = "No neighbour is seen, so the detector cannot look for new artefacts."
         distance = usual = None
         if len(self._cluster):
             cluster = self._problem.positions[self._span.frames, self._cluster]
@@ -101,8 +109,9 @@ class Inspector:
             usual_slope_mm=self._usual,
             distance_mm=distance,
             usual_distance_mm=usual,
-            artefacts=self._artefacts(values) if run_detector else (),
-            detected=run_detector,
+            artefacts=() if unlooked else self._artefacts(values),
+            detected=not unlooked,
+            unlooked=unlooked,
         )
 
     def _edges(self, values: FloatArray) -> tuple[float, float]:
@@ -123,8 +132,6 @@ class Inspector:
     def _artefacts(self, values: FloatArray) -> tuple[Finding, ...]:
         """Run the default detector on the marker and its neighbours around the span."""
         problem, span = self._problem, self._span
-        if problem.n_dims != 3 or not len(self._company):
-            return ()
         margin = min(int(MARGIN_S * problem.rate), MOST_MARGIN)
         part = span.padded(margin, problem.n_frames)
         chosen = np.sort(np.append(self._company, problem.marker))

@@ -14,6 +14,8 @@ from markermend.repairing.problem import Problem, Repair
 from markermend.repairing.run import REPAIRS, Wish, accept, moved, nearby, pose, solve
 from markermend.repairing.trust import REFERENCE, SLOW, Bench, Trust
 
+EXACT = "swap"
+"""The method that, where it applies, gives back what was recorded."""
 HOPELESS = 3.0
 """Methods that expect so many times the error of AUTO are not shown to the detector."""
 
@@ -114,7 +116,7 @@ def compare(
     rows = compare_iter(
         take, marker, span, methods, kind=kind, partner=partner, masked=masked, training=training
     )
-    return concluded(marker, span, kind, rows)
+    return concluded(marker, span, kind, rows, partner)
 
 
 def compare_iter(
@@ -166,30 +168,41 @@ def _solved(bench: Bench, method: Method) -> Repair:
     return solve(bench.problem, method, {})
 
 
-def concluded(marker: str, span: Span, kind: Kind, rows: Iterable[Row]) -> Comparison:
+def concluded(
+    marker: str, span: Span, kind: Kind, rows: Iterable[Row], partner: str | None = None
+) -> Comparison:
     """Sort the rows, and recommend the lowest expected error that brings nothing new.
 
-    Where no error could be measured, the method for unknown errors that brings nothing new is
-    taken, and where all bring something new, the lowest expected error.
+    Where labels were exchanged with a partner, and changing them back makes both go on more
+    smoothly, that is exact and nothing else is recommended. Where no error could be measured, the
+    method for unknown errors that brings nothing new is taken, and where all bring something new,
+    the lowest expected error.
     """
     ordered = sorted(rows, key=lambda r: (r.repair is None, r.expected_mm, r.method != REFERENCE))
+    exact = next((row.repair for row in ordered if row.method == EXACT and row.repair), None)
+    if partner and exact is not None:
+        why = f"Labels were exchanged, and changing them back is exact. {exact.note}"
+        return Comparison(marker, span, kind, tuple(ordered), EXACT, why)
     fills = [row for row in ordered if row.repair is not None and row.method != "leave"]
     clean = [row for row in fills if row.brings_nothing_new]
+    looked = any(row.checks is not None and row.checks.detected for row in fills)
     best = next(iter(clean or fills), None)
     if best is None:
         name, why = "leave", "No method applies here; leave the gap."
     else:
-        name, why = best.method, _why(best, fills, bool(clean))
+        name, why = best.method, _why(best, fills, bool(clean), looked)
     return Comparison(marker, span, kind, tuple(ordered), name, why)
 
 
-def _why(best: Row, fills: Sequence[Row], clean: bool) -> str:
+def _why(best: Row, fills: Sequence[Row], clean: bool, looked: bool) -> str:
     if best.trust is None:
         return f"{best.title}: no stretch of this length could be hidden to measure errors by."
     text = (
         f"{best.title}: {best.trust.expected_mm:.1f} mm expected from "
         f"{best.trust.n_pseudo_gaps} pseudo-gaps on this marker"
     )
+    if not looked:
+        return f"{text}, the lowest of {len(fills)} methods; the detector was not asked."
     if not clean:
         return f"{text}, but every repair leaves something that the detector finds."
     lower = [row for row in fills if row.expected_mm < best.expected_mm]

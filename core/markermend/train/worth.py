@@ -102,7 +102,8 @@ def _others(
     }
     if not errors:
         return errors, ""
-    return errors, concluded(truth.marker, truth.span, truth.kind, rows).recommended
+    found = concluded(truth.marker, truth.span, truth.kind, rows, truth.partner)
+    return errors, found.recommended
 
 
 def _meant(name: str, kind: Kind, partner: str | None) -> bool:

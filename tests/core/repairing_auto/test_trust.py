@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from markermend.errors import UnknownName
-from markermend.model import Span
+from markermend.model import Span, Take
 from markermend.repairing.compare import compare, compare_iter
 from markermend.repairing.run import Wish, pose, repair
 from markermend.repairing.trials import cut_out, places, spread_out, trials, triangle
@@ -126,3 +126,26 @@ def test_a_span_of_a_long_take_is_compared_in_frames_of_the_take(walk):
     np.testing.assert_allclose(alone.values, found.row("rlk").repair.values, atol=1e-9)
     bare = repair(long, "THIGH2", span, "rlk")
     assert np.abs(alone.values - bare.values).max() > 1e-6
+
+
+def test_a_swap_is_changed_back_where_it_was_found(walk):
+    spoilt = walk.positions.copy()
+    first, second = walk.index("THIGH1"), walk.index("TRUNK1")
+    spoilt[SPAN.frames, first], spoilt[SPAN.frames, second] = (
+        walk.positions[SPAN.frames, second],
+        walk.positions[SPAN.frames, first],
+    )
+    take = walk.with_positions(spoilt)
+    names = ("auto", "swap", "pchip")
+    found = compare(take, "THIGH1", SPAN, names, kind="step", partner="TRUNK1")
+    assert found.recommended == "swap"
+    assert "exact" in found.why
+
+
+def test_where_the_detector_cannot_look_it_is_said(walk):
+    flat = Take(walk.positions[:, :, :2], walk.rate, walk.labels, units="px")
+    found = compare(flat, "THIGH2", SPAN, ("pchip", "rigid"))
+    for row in found.rows:
+        assert not row.checks.detected
+        assert "2D" in row.checks.unlooked
+    assert "not asked" in found.why
