@@ -31,6 +31,20 @@ from markermend_app.views.stage import Stage
 TEMPLATE = Path(__file__).with_name("page.html")
 
 
+class _Page(pn.Template):  # type: ignore[misc]
+    """A template whose parts come into the document together.
+
+    Bokeh looks through all models again for every part that is added, which for this page costs
+    more than to make it; held back, it looks once.
+    """
+
+    def _init_doc(self, doc: Any = None, *given: Any, **options: Any) -> Any:
+        if doc is None:
+            return super()._init_doc(doc, *given, **options)
+        with doc.models.freeze():
+            return super()._init_doc(doc, *given, **options)
+
+
 def build(desk: Comparing) -> pn.Template:
     """Give the page of one desk."""
 
@@ -45,7 +59,7 @@ def build(desk: Comparing) -> pn.Template:
         local={k: {"event": f"markermend:{do}", "detail": {}} for k, do in keys.at_once.items()},
     )
     keyboard.on_key(lambda key: perform(desk, keys.actions[key]))
-    page = pn.Template(TEMPLATE.read_text(encoding="utf-8"))
+    page = _Page(TEMPLATE.read_text(encoding="utf-8"))
     page.add_variable("css", PAGE_STYLESHEET)
     parts = {
         "header": (header.render, header.SHOWS),
