@@ -12,12 +12,14 @@ from pathlib import Path
 import psutil
 import pytest
 
+from markermend.batch import pool
 from markermend.batch.hand import Hand
 from markermend.batch.work import Result, Task, work
+from markermend.errors import BadInput
 
 from .conftest import GAPS
 
-ENDS_S = 20.0
+ENDS_S = 100.0
 ASK = """
 import sys
 from pathlib import Path
@@ -89,3 +91,10 @@ def test_ends_when_whoever_asked_is_killed(archive: Path, trap: Callable[[Path, 
         asking.wait()
     gone, alive = psutil.wait_procs(hands, timeout=ENDS_S)
     assert (len(gone), alive) == (1, [])
+
+
+def test_a_cluster_that_is_not_there_is_refused(archive: Path, monkeypatch: pytest.MonkeyPatch):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(pool, "_CONNECT_S", 0.5)
+    with pytest.raises(BadInput, match=r"There is no Dask scheduler at tcp://127\.0\.0\.1:9 "):
+        list(pool.results([task(archive / "a.npz")], dask="tcp://127.0.0.1:9"))
