@@ -97,6 +97,7 @@ def _in_a_process(name: str, seconds: float, given: argparse.Namespace) -> list[
         command += ["--seconds", str(seconds), "--seed", str(given.seed)]
         command += ["--short"] * given.short
         limit = GRACE_S + (GRACE_S if given.short else seconds)
+        rows: list[Outcome] = []
         try:
             done = subprocess.run(
                 command, cwd=ROOT, env=child_environment(), capture_output=True, text=True,
@@ -106,17 +107,25 @@ def _in_a_process(name: str, seconds: float, given: argparse.Namespace) -> list[
         except subprocess.TimeoutExpired:
             trouble = f"not at its end after {limit:.0f} s"
         if answer.is_file():
-            return [Outcome(**row) for row in json.loads(answer.read_text("utf-8"))]
+            rows = [Outcome(**row) for row in json.loads(answer.read_text("utf-8"))]
+        if answer.with_suffix(".done").is_file():
+            return rows
     print(f"{name}: {trouble}", file=sys.stderr, flush=True)
     taken = time.monotonic() - began
-    return [Outcome(name, 1, 1, 0, taken, f"FAULT {' '.join(trouble.split())[-200:]}")]
+    fault = f"FAULT {' '.join(trouble.split())[-200:]}"
+    return [*rows, Outcome(name, 1, 1, 0, taken, fault)]
 
 
 def _work(name: str, budget: Budget, answer: Path) -> None:
     given = importlib.import_module(f"tests.trust.{name}").run(budget)
     rows: Iterator[Outcome] = iter((given,) if isinstance(given, Outcome) else given)
-    text = json.dumps([asdict(row) for row in rows])
-    answer.write_text(text, encoding="utf-8")
+    done: list[Outcome] = []
+    for row in rows:  # each at once: should a later one never end, this one is known
+        done.append(row)
+        draft = answer.with_suffix(".part")
+        draft.write_text(json.dumps([asdict(one) for one in done]), encoding="utf-8")
+        draft.replace(answer)
+    answer.with_suffix(".done").touch()
 
 
 def _line(row: Outcome | None) -> str:

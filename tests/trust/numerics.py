@@ -36,9 +36,9 @@ _NAMES = tuple(name for name in REPAIRS.names() if name != "leave")
 def run(budget: Budget) -> Iterator[Outcome]:
     """Yield a row for each family of laws."""
     for law in ("shift", "rotation", "mirror", "unit", "reversal"):
-        yield _repairs(law, budget)
-    yield _motions(budget)
-    yield _detectors(budget)
+        yield _repairs(law, budget.share(0.07))
+    yield _motions(budget.share(0.1))
+    yield _detectors(budget.share(0.3))
     if not budget.short:
         yield _repeated(budget)
         yield _quiet_detectors(budget.share(0.5))
@@ -63,9 +63,12 @@ def _repairs(law: str, budget: Budget) -> Outcome:
     excepted = _promises.REPAIRS[law]
     rng = np.random.default_rng(budget.seed)
     names = [name for name in _NAMES if name not in excepted]
-    for name in names if not budget.short else names[::6]:
-        method = REPAIRS.get(name)
-        for _ in range(budget.of(8, 1)):
+    tally.planned = budget.of(8, 1) * len(names[:: budget.of(1, 6)])
+    for _ in range(budget.of(8, 1)):
+        for name in names[:: budget.of(1, 6)]:
+            if budget.spent:
+                break
+            method = REPAIRS.get(name)
             start, seed = int(rng.integers(70, 150)), int(rng.integers(1000))
             span = Span(start, start + int(rng.integers(6, 26)))
             case = Lab.for_method(method, truth=walker(seed=seed), span=span)
@@ -135,11 +138,12 @@ def _bodies() -> dict[str, FloatArray]:
 def _motions(budget: Budget) -> Outcome:
     tally = Tally("repairs: rest, lines, circles, rigid bodies are exact")
     rng = np.random.default_rng(budget.seed)
-    for motion, truth in _bodies().items():
-        for name in _NAMES:
-            if name in _promises.REPAIRS[motion]:
-                continue
-            for _ in range(budget.of(5, 1)):
+    exact = [(m, x, n) for m, x in _bodies().items() for n in _NAMES]
+    exact = [(m, x, n) for m, x, n in exact if n not in _promises.REPAIRS[m]]
+    tally.planned = budget.of(5, 1) * len(exact)
+    for _ in range(budget.of(5, 1)):
+        for motion, truth, name in exact:
+            if not budget.spent:
                 start = int(rng.integers(90, 130))
                 span = Span(start, start + int(rng.integers(12, 22)))
                 case = Lab.for_method(REPAIRS.get(name), truth=truth, span=span)
@@ -174,8 +178,11 @@ def _key(finding: Finding) -> tuple:
 
 def _detectors(budget: Budget) -> Outcome:
     tally = Tally("detectors: shift, rotation, mirror, unit, reversal")
-    for name in DETECTORS.names()[budget.short :]:
-        for seed in range(budget.of(6, 1)):
+    for seed in range(budget.of(6, 1)):
+        for name in DETECTORS.names()[budget.short :]:
+            if budget.spent:
+                tally.planned = 60
+                break
             take = _spoilt(seed, budget.of(700, 260))
             found = sorted(map(_key, detect(take, name)))
             tally.case("" if found else f"{name}: finds nothing where something is")
@@ -252,15 +259,18 @@ def _takes(budget: Budget, n_frames: int) -> Iterator[tuple[str, Take]]:
 
 
 def _quiet_detectors(budget: Budget) -> Outcome:
-    tally = Tally("detectors on every public take: no warning, the same again")
+    tally = Tally("detectors on every public take: no warning", 2 * len(public()))
     for label, take in _takes(budget, 6000):
         for name in DETECTORS.names():
+            if budget.spent:
+                break
             tally.case(_quietly(f"{name} on {label}", lambda n=name, t=take: detect(t, n)))
     return tally.outcome()
 
 
 def _quiet_repairs(budget: Budget) -> Outcome:
-    tally = Tally("repairs on every public take: no warning, finite or refused")
+    planned = len(REPAIRS.names()) * (len(public()) - 1)  # one take has no measured marker
+    tally = Tally("repairs on every public take: no warning, finite or refused", planned)
     rng = np.random.default_rng(budget.seed)
     for label, take in _takes(budget, 900):
         if not len(take.measured):
