@@ -149,7 +149,11 @@ Words = Callable[[Lab], str]
 @pytest.mark.parametrize(
     ("line", "says"),
     [
-        ("train", "one of the arguments --out --grade --report --group is required"),
+        ("train --level 10", "--level: must be a whole number from 1 to 9"),
+        ("train {clean} --level 7 --density 599", "has room for"),
+        ("train {clean} --expert {clean}", "is no JSON"),
+        ("train --json", "--json belongs to what prints or writes"),
+        ("train --group --port 7000", "--port belongs to practice in the browser"),
         ("train --out {folder} --group", "not allowed with argument"),
         ("train --out {folder}/none", "no folder"),
         ("train --out {clean}", "no folder"),
@@ -162,8 +166,8 @@ Words = Callable[[Lab], str]
         ("train --out {folder} --expert {clean}", "needs the take that the expert reviewed"),
         ("train {clean} --out {folder} --expert {clean}", "is no JSON"),
         ("train {clean} --out {folder} --expert {clean} --level 2", "leave out --level"),
-        ("train --group --seed 3", "--seed belongs to --out"),
-        ("train --group --hidden", "--hidden belongs to --out"),
+        ("train --group --seed 3", "--seed belongs to an exercise that is made"),
+        ("train --group --hidden", "--hidden belongs to an exercise that is made"),
         ("train {clean} --group", "needs no take"),
         ("train --group --quick", "--quick belongs to --grade"),
         ("train --grade", "needs a file of decisions, or the exercise as TAKE"),
@@ -177,6 +181,9 @@ Words = Callable[[Lab], str]
         ("agree {clean} {clean} --iou 0", "--iou: must be above 0 and at most 1; got '0'"),
         ("agree {clean} {clean} --expert {clean}", "give it with --take"),
         ("agree {clean} {clean} --detector eye", "no detector 'eye'"),
+        ("agree {clean} {clean} --page --json", "leave one of them out"),
+        ("agree {clean} {clean} --port 7000", "--port belongs to --page"),
+        ("agree {clean} {clean} --page", "is no JSON"),
     ],
 )
 def test_is_refused_in_one_sentence_and_nothing_is_written(
