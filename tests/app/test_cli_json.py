@@ -106,6 +106,18 @@ def test_the_table_and_the_json_say_the_same(take_path: Path, command: Command):
     assert "1 inner, the longest 40 frames; 0 markers never seen" in said
 
 
+def test_the_reach_of_slow_changes_comes_when_it_is_asked_for(take_path: Path, command: Command):
+    assert "reach" not in strict(command("detect", take_path, "--json").out)
+    record = strict(command("detect", take_path, "--json", "--reach").out)
+    table = mm.detection.smallest_slow_changes(mm.read(take_path))
+    assert record["reach"] == [
+        {"marker": r.marker, "usual_mm": r.usual_mm, "fast_mm": r.fast_mm} for r in table
+    ]
+    assert len(table) >= 8
+    said = command("detect", take_path, "--reach").out.splitlines()
+    assert sum("a slow change is seen from" in line for line in said) == len(table)
+
+
 # A file that says neither its unit nor its rate, as plain tables do.
 
 

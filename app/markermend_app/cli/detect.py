@@ -1,6 +1,7 @@
 """``markermend detect TAKE``: list gaps and artefacts."""
 
 import argparse
+from dataclasses import asdict
 
 from markermend import detection
 from markermend.detection.record import detection_record
@@ -18,6 +19,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help=f"one of {', '.join(detection.DETECTORS.names())} (default: %(default)s)",
     )
+    parser.add_argument(
+        "--reach",
+        action="store_true",
+        help="also how small a slow change may be and still be found, marker by marker",
+    )
     parser.add_argument("--kinds", metavar="A,B", help="only these kinds, e.g. gap,peak")
 
 
@@ -27,8 +33,12 @@ def run(options: argparse.Namespace) -> None:
     detection.DETECTORS.get(options.detector)  # an unknown name is said before a long read
     take = read(options.take, options)
     found = detection.detect(take, options.detector, kinds=wanted)
+    reach = detection.smallest_slow_changes(take) if options.reach else ()
     if options.json:
-        put(json_text(detection_record(take, options.take.name, found)))
+        record = detection_record(take, options.take.name, found)
+        if options.reach:
+            record["reach"] = [asdict(row) for row in reach]
+        put(json_text(record))
         return
     width = max((len(plain(f.marker)) for f in found), default=6)
     say(f"{'marker':{width}}  kind   from s    to s  frames  score  {take.units:>6}")
@@ -39,3 +49,8 @@ def run(options: argparse.Namespace) -> None:
             f"{f.span.stop / take.rate:6.2f}  {len(f.span):6}  {f.score:5.2f}  {size:>6}"
         )
     say(f"{len(found)} findings")
+    for row in reach:
+        say(
+            f"{plain(row.marker):{width}}  a slow change is seen from {row.usual_mm:.1f} "
+            f"{take.units}, where hard to predict from {row.fast_mm:.1f} {take.units}"
+        )

@@ -12,11 +12,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from markermend.detection import detect, scan, smallest_slow_changes
 from markermend.detection.likelihood.findings import _windows
-from markermend.detection.likelihood.reach import smallest_slow_changes
 from markermend.detection.likelihood.star import confirmed, star_jumps
 from markermend.detection.likelihood.window import Settings
-from markermend.detection.run import detect, scan
 from markermend.model import Finding, Span, Take
 
 from .bodies import body
@@ -205,7 +204,9 @@ def test_long_takes_are_scanned_in_windows_without_doubles() -> None:
     assert places == [(t, f"m{t % 4}") for t in range(90, 5200, 230)]
 
 
-@pytest.mark.parametrize(("n_frames", "pace"), [(4620, 1.0), (4621, 1.0), (30_000, 1.0), (9000, 5)])
+@pytest.mark.parametrize(
+    ("n_frames", "pace"), [(2880, 1.0), (2881, 1.0), (30_000, 1.0), (19_000, 5)]
+)
 def test_windows_cover_the_take_and_own_every_frame_once(n_frames: int, pace: float) -> None:
     windows = _windows(n_frames, pace)
     assert windows[0][0] == 0
@@ -213,9 +214,9 @@ def test_windows_cover_the_take_and_own_every_frame_once(n_frames: int, pace: fl
     assert len({stop - start for start, stop, _, _ in windows}) == 1
     for (_, stop, _, high), (start, _, low, _) in pairwise(windows):
         assert high == low
-        assert stop - start >= 200 * pace
-        assert start + 100 * pace <= low <= stop - 100 * pace
-    assert sum(stop - start for start, stop, _, _ in windows) <= 1.06 * n_frames + 4500
+        assert stop - start >= 180 * pace
+        assert start + 90 * pace <= low <= stop - 90 * pace
+    assert sum(stop - start for start, stop, _, _ in windows) <= 1.08 * n_frames + 900
 
 
 @pytest.mark.parametrize("factor", [2, 4])
@@ -232,8 +233,8 @@ def test_kinds_last_in_seconds_not_in_frames(factor: int) -> None:
 
 def test_the_reach_tells_what_would_be_seen() -> None:
     take = body()
-    settings = Settings(take.rate, 0.15, 5.0, 1.0, 4.5, 3.0, 1.5)
-    table = {r.marker: r for r in smallest_slow_changes(take, settings)}
+    table = {r.marker: r for r in smallest_slow_changes(take)}
+    assert smallest_slow_changes(take, Settings(take.rate)) == tuple(table.values())
     assert set(table) == set(take.labels)
     for r in table.values():
         assert 1.5 <= r.usual_mm <= r.fast_mm < 30.0

@@ -12,8 +12,8 @@ from markermend.detection.likelihood.swaps import LEAST_MM, Swap
 from markermend.detection.likelihood.window import SHORTEST, Scan, Settings, scan_window
 from markermend.model import AXES, Evidence, Finding, FloatArray, Span, Take
 
-_WINDOW = 4400  # frames: longer takes go in pieces, so time and memory stay linear
-_OVERLAP = 220  # the same at 100 Hz, or more at higher rates: slow changes last longer there
+_WINDOW = 2700  # frames: longer takes go in pieces, so time and memory stay linear
+_OVERLAP = 180  # the same at 100 Hz, or more at higher rates: slow changes last longer there
 _CONTEXT = 60  # frames of evidence on each side
 _AXIS_SHARE = 0.2  # of the amplitude, from which an axis is named
 _SLOW_AXIS_SHARE = 0.4  # for slow changes, whose other axes drift along with the prediction
@@ -78,7 +78,7 @@ def _middle(span: Span) -> float:
 def _windows(n_frames: int, pace: float) -> list[tuple[int, int, float, float]]:
     """Windows and the part of each in which the middle of a finding has to lie."""
     overlap = round(_OVERLAP * max(1.0, pace))
-    longest = max(_WINDOW, 4 * overlap)
+    longest = max(_WINDOW, 10 * overlap)
     if n_frames <= longest + overlap:
         return [(0, n_frames, -np.inf, np.inf)]
     count = -(-(n_frames - overlap) // (longest - overlap))

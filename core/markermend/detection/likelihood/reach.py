@@ -28,7 +28,7 @@ class Reach:
     fast_mm: float
 
 
-def smallest_slow_changes(take: Take, settings: Settings) -> tuple[Reach, ...]:
+def smallest_slow_changes(take: Take, settings: Settings | None = None) -> tuple[Reach, ...]:
     """Tabulate the reach of the slow stage, for the markers that it looks at.
 
     Parameters
@@ -36,8 +36,14 @@ def smallest_slow_changes(take: Take, settings: Settings) -> tuple[Reach, ...]:
     take
         The take.
     settings
-        As the detector is run with.
+        As the detector is run with; by default as designed.
+
+    Returns
+    -------
+    tuple[Reach, ...]
+        In the order of the take; markers without enough mates are left out. It costs one scan.
     """
+    settings = settings or Settings(take.rate)
     needed: dict[str, list[FloatArray]] = {}
     for piece in scanned(take, settings):
         if piece.scan.needed is not None:

@@ -37,12 +37,12 @@ class Settings:
     """The parameters of the detector; see there."""
 
     rate: float
-    floor: float
-    peak: float
-    noise: float
-    step: float
-    slow: float
-    least_slow: float
+    peak: float = 5.0
+    noise: float = 1.0
+    step: float = 4.5
+    slow: float = 3.0
+    least_slow: float = 1.5
+    floor: float = 0.15
 
     @property
     def pace(self) -> float:

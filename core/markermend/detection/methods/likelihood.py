@@ -20,12 +20,12 @@ _SCALES = "noise scales"
 def likelihood(
     take: Take,
     *,
-    peak: Annotated[float, Within(2, 50, _SCALES)] = 5.0,
-    noise: Annotated[float, Within(0.2, 20, "times the usual evidence")] = 1.0,
-    step: Annotated[float, Within(2, 50, _SCALES)] = 4.5,
-    slow: Annotated[float, Within(1, 50, _SCALES)] = 3.0,
-    least_slow: Annotated[float, Within(0, 100, "mm")] = 1.5,
-    floor: Annotated[float, Within(0.01, 10, "mm")] = 0.15,
+    peak: Annotated[float, Within(2, 50, _SCALES)] = Settings.peak,
+    noise: Annotated[float, Within(0.2, 20, "times the usual evidence")] = Settings.noise,
+    step: Annotated[float, Within(2, 50, _SCALES)] = Settings.step,
+    slow: Annotated[float, Within(1, 50, _SCALES)] = Settings.slow,
+    least_slow: Annotated[float, Within(0, 100, "mm")] = Settings.least_slow,
+    floor: Annotated[float, Within(0.01, 10, "mm")] = Settings.floor,
 ) -> tuple[Finding, ...]:
     """Find what neither a marker's own path nor its neighbours explain.
 
@@ -61,5 +61,5 @@ def likelihood(
         With evidence. A swap is a ``step`` with ``partner``; a peak on a slow change shares its
         ``group`` with it. Takes of fewer than 32 frames give none.
     """
-    settings = Settings(take.rate, floor, peak, noise, step, slow, least_slow)
+    settings = Settings(take.rate, peak, noise, step, slow, least_slow, floor)
     return detect_all(take, settings)

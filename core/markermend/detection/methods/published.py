@@ -107,6 +107,12 @@ def published(
     like T_U.  The printed thresholds fire everywhere, because every coordinate exceeds three
     deviations somewhere (as printed, 370 to 1,360 findings a minute on four takes of people who
     stand or lift, and no peak or noise at all); the defaults are tuned.
+
+    Every finding has passed its stage's threshold, so that ``strength`` is at least 1: the stages
+    are chained, each on what the former interpolated, and a weaker candidate that an earlier stage
+    had taken would have changed all later ones. Strengths above 1 can be filtered as with any
+    detector; for less, run it again with smaller k. A jump without a second one that answers it
+    within ``step_distance`` is no step (section 3.4.4 pairs edges) and is not reported.
     """
     if as_printed:
         peak_k, noise_k, step_k, slow_k, slow_top, slow_length = 3.0, 2.0, 3.0, 3.0, 20, 50
