@@ -223,7 +223,9 @@ class Practising(Desk):
         mark = told.grade.marks[number]
         with param.parameterized.batch_call_watchers(self):
             self.dialog = ""
-            found: Finding | None = self.find(mark.finding)
+            here = (f for f in self.findings if f.marker == mark.marker)
+            there = (f for f in here if self.judged(f).span.overlaps(mark.span))
+            found: Finding | None = self.find(mark.finding) or next(there, None)
             if found is not None:
                 self.select(found)
                 return

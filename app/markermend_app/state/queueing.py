@@ -100,7 +100,9 @@ class Queueing(Offering):
             self.jobs.cancel("preview")
             self.jobs.cancel("compare")
             self.jobs.cancel("prepare")
-            self.param.update(selected="", previews=(), chosen="", best="", why="", repair=None)
+            self.param.update(
+                selected="", previews=(), chosen="", best="", why="", comparing="", repair=None
+            )
             return
         judged = self.judged(found)
         with param.parameterized.batch_call_watchers(self):
