@@ -44,7 +44,7 @@ def run(budget: Budget) -> Iterator[Outcome]:
     """Yield a row for each way of being interrupted."""
     jobs = _jobs()
     if budget.short:
-        jobs = {name: jobs[name] for name in ("C3D patched", "decisions")}
+        jobs = {"C3D patched": jobs["C3D patched"]}
     yield _killed(jobs, budget)
     yield _cut(jobs, budget)
     yield _refused(jobs, budget)
@@ -217,6 +217,8 @@ def _cut(jobs: Jobs, budget: Budget) -> Outcome:
         most = max(sizes)
         places = {0, 1, most - 1, *rng.integers(0, most, budget.of(25, 2)).tolist()}
         for place in sorted(places):
+            if budget.spent:
+                break
             for action, statuses in ((signal.SIG_IGN, (1,)), (signal.SIG_DFL, (-signal.SIGXFSZ,))):
 
                 def child(place=place, action=action, job=job, folder=folder) -> None:
