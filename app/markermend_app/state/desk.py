@@ -91,6 +91,7 @@ class Desk(Deciding):
             self.param.update(
                 busy="",
                 opened=opened,
+                mended={},
                 triage=triage,
                 frame=0,
                 playing=False,
