@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import sqlite3
 import time
 from collections.abc import Iterator
@@ -71,7 +72,7 @@ def shown(url: URL) -> str:
     if url.get_backend_name() == "sqlite" and url.database:
         return url.database
     # libpq takes passwords among the options too, where SQLAlchemy does not look for them.
-    hidden = {name: "***" for name in url.query if "password" in name.lower()}
+    hidden = {name: "hidden" for name in url.query if "password" in name.lower()}
     return url.update_query_dict(hidden).render_as_string(hide_password=True)
 
 
@@ -175,8 +176,8 @@ def refusal(where: str, error: DBAPIError) -> StoreError:
     """Give the error to raise for what a database said."""
     said = str(error.orig).strip()
     lower = said.lower()
-    for words, meaning in _SERVER:
-        if any(word in lower for word in words):
+    for pattern, meaning in _SERVER:
+        if re.search(pattern, lower):
             return StoreError(f"The store {where} {meaning}")
     if error.connection_invalidated or any(word in lower for word in _GONE):
         return Unreachable(
@@ -191,12 +192,16 @@ def refusal(where: str, error: DBAPIError) -> StoreError:
 
 _SERVER = (
     (
-        ("password", "authentication failed", "no pg_hba.conf entry"),
+        r"password|authentication failed|no pg_hba.conf entry|role \".*\" does not exist",
         "lets nobody in with this name and password; see the address given with --store.",
     ),
     (
-        ("too many clients", "too many connections", "connection slots"),
+        r"too many clients|too many connections|connection slots",
         "has no connection left; close some pages, or let its server have more.",
+    ),
+    (
+        r"database \".*\" does not exist",
+        "is not there yet; make it with createdb, or see the address given with --store.",
     ),
 )
 _GONE = (

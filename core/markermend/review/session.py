@@ -184,6 +184,8 @@ class ReviewSession:
             If the store still does not answer.
         Conflict
             If the review was changed elsewhere meanwhile; the error carries what was unsaved.
+        Taken
+            If somebody else has taken the review over meanwhile; it stays unsaved.
         """
         with self._lock:
             before, commands = self._present, list[Command]()
@@ -236,8 +238,15 @@ class ReviewSession:
     def _write(self, lines: list[tuple[Action, Command | None]]) -> Change:
         if not lines:
             return self._follow(())
-        self._unsaved.append(_Unsaved(tuple(lines), new_token()))
-        return self._send(self._unsaved[-1])
+        fresh = _Unsaved(tuple(lines), new_token())
+        self._unsaved.append(fresh)
+        try:
+            return self._send(fresh)
+        except Unreachable:
+            raise
+        except StoreError:
+            self._unsaved = [one for one in self._unsaved if one is not fresh]
+            raise
 
     def _keep(self, command: Command) -> None:
         """Put a command after those that are unsaved, if it makes sense there."""
@@ -266,9 +275,6 @@ class ReviewSession:
             mine = self.unsaved
             self._unsaved.clear()
             raise Conflict(str(conflict), mine, conflict.theirs) from conflict
-        except StoreError:
-            self._unsaved.remove(one)
-            raise
         return self._follow(entries)
 
     def _follow(self, entries: tuple[Entry, ...]) -> Change:

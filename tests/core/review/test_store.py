@@ -9,13 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sqlalchemy import event
+from sqlalchemy import event, text
 
 from markermend.errors import Conflict, StoreError
 from markermend.model import Finding, Source, Span, Take
 from markermend.review import Accept
 from markermend.review import database as database_module
 from markermend.review.database import locate, shown
+from markermend.review.schema import REVISIONS
 from markermend.review.session import ReviewSession
 from markermend.review.store import Store, default_operator
 
@@ -111,23 +112,23 @@ def test_lines_are_appended_all_or_none(store: Store, take: Take) -> None:
     assert store.entries(review, after=1) == ()
 
 
-def test_a_backup_is_a_store(store: Store, take: Take, tmp_path: Path) -> None:
-    session = ReviewSession.open(store, take, "anna")
+def test_a_backup_is_a_store(file_store: Store, take: Take, tmp_path: Path) -> None:
+    session = ReviewSession.open(file_store, take, "anna")
     session.do(Accept((Finding("A", Span(1, 2), "peak"),)))
     target = tmp_path / "backup.sqlite"
     target.write_text("an older backup")
-    store.backup(target)
+    file_store.backup(target)
     session.undo()
     with Store(target) as restored:
         assert ReviewSession.open(restored, take, "anna").history.position == 1
     assert sorted(p.name for p in tmp_path.glob("*.part")) == []
 
 
-def test_a_backup_that_cannot_be_written_is_refused(store: Store, tmp_path: Path) -> None:
+def test_a_backup_that_cannot_be_written_is_refused(file_store: Store, tmp_path: Path) -> None:
     with pytest.raises(StoreError, match="is the store itself"):
-        store.backup(store.where)
+        file_store.backup(file_store.where)
     with pytest.raises(StoreError, match="cannot be written"):
-        store.backup(tmp_path / "absent" / "backup.sqlite")
+        file_store.backup(tmp_path / "absent" / "backup.sqlite")
 
 
 def test_where_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -140,9 +141,13 @@ def test_where_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert "markermend" in shown(locate())
 
 
-def test_a_password_is_never_shown() -> None:
-    url = locate("postgresql://anna:secret@lab/reviews")
+@pytest.mark.parametrize("scheme", ["postgresql", "postgres", "postgresql+psycopg"])
+def test_a_password_is_never_shown(scheme: str) -> None:
+    url = locate(f"{scheme}://anna:secret@lab/reviews")
     assert shown(url) == "postgresql+psycopg://anna:***@lab/reviews"
+    assert shown(
+        locate(f"{scheme}://lab/reviews?user=anna&password=secret&sslpassword=secret")
+    ) == ("postgresql+psycopg://lab/reviews?password=hidden&sslpassword=hidden&user=anna")
 
 
 def test_a_store_makes_its_folder(tmp_path: Path) -> None:
@@ -180,10 +185,12 @@ def test_a_database_of_another_program_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_newer_store_is_refused(store: Store) -> None:
-    with closing(sqlite3.connect(store.where)) as database:
-        database.execute("UPDATE markermend_schema SET version_num = '9999'")
-        database.commit()
+    change = text("UPDATE markermend_schema SET version_num = :version")
+    with store.transaction() as connection:
+        connection.execute(change, {"version": "9999"})
     refuse(store.where, "written by a newer version.*schema 9999.*update markermend")
+    with store.transaction() as connection:
+        connection.execute(change, {"version": REVISIONS[-1]})
 
 
 def test_a_folder_that_cannot_be_made_is_refused(tmp_path: Path) -> None:
@@ -191,9 +198,9 @@ def test_a_folder_that_cannot_be_made_is_refused(tmp_path: Path) -> None:
     refuse(tmp_path / "file" / "reviews.sqlite", "cannot be made.*choose another place")
 
 
-def test_a_store_that_cannot_be_written_is_refused(store: Store, take: Take) -> None:
+def test_a_store_that_cannot_be_written_is_refused(file_store: Store, take: Take) -> None:
     with (
-        Store(f"sqlite:///file:{store.where}?mode=ro&uri=true") as frozen,
+        Store(f"sqlite:///file:{file_store.where}?mode=ro&uri=true") as frozen,
         pytest.raises(StoreError, match="cannot be written; choose another place"),
     ):
         frozen.remember(take)
@@ -202,31 +209,32 @@ def test_a_store_that_cannot_be_written_is_refused(store: Store, take: Take) -> 
 def test_an_address_that_is_none_is_refused() -> None:
     refuse("://", "is no database URL")
     refuse("nosuch://lab/reviews", "driver that is not installed")
+    refuse("postgresql+asyncpg://lab/reviews", "driver that is not installed")
 
 
 def test_a_busy_store_is_waited_for_and_then_refused(
-    store: Store, take: Take, monkeypatch: pytest.MonkeyPatch
+    file_store: Store, take: Take, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(database_module, "BUSY_S", 0.05)
-    store._engine.dispose()  # the wait is set when a connection is made
-    with closing(sqlite3.connect(store.where, isolation_level=None)) as other:
+    file_store._engine.dispose()  # the wait is set when a connection is made
+    with closing(sqlite3.connect(file_store.where, isolation_level=None)) as other:
         other.execute("BEGIN IMMEDIATE")
         with pytest.raises(StoreError, match="in use by another program"):
-            store.remember(take)
+            file_store.remember(take)
         other.execute("ROLLBACK")
-    store.remember(take)
+    file_store.remember(take)
 
 
-def test_commits_are_made_to_last(store: Store) -> None:
+def test_commits_are_made_to_last(file_store: Store) -> None:
     settings: list[tuple[str, int]] = []
 
     def look(connection: sqlite3.Connection, _: object) -> None:
         mode = connection.execute("PRAGMA journal_mode").fetchone()[0]
         settings.append((mode, connection.execute("PRAGMA synchronous").fetchone()[0]))
 
-    event.listen(store._engine, "connect", look)
-    store._engine.dispose()
-    store.takes()
+    event.listen(file_store._engine, "connect", look)
+    file_store._engine.dispose()
+    file_store.takes()
     assert settings == [("wal", 2)]  # 2 is FULL
 
 
@@ -251,7 +259,7 @@ def test_several_processes_may_make_the_store_at_once(tmp_path: Path) -> None:
 def test_what_is_slow_is_imported_only_when_needed(store: Store) -> None:
     child = run_python(
         "import sys, markermend.review; print('sqlalchemy' in sys.modules);"
-        "from markermend.review.store import Store; Store(sys.argv[1]);"
+        "from markermend.review.store import Store; Store(sys.argv[1]).close();"
         "print('sqlalchemy' in sys.modules, 'alembic' in sys.modules)",
         store.where,
     )
