@@ -20,6 +20,7 @@ from contextlib import suppress
 from typing import IO
 
 from markermend.batch.work import Result, Task, died, work
+from markermend.io import second_reader
 
 IDLE_S = 120.0
 TIME_LIMIT_S = 1800.0
@@ -186,6 +187,7 @@ def main() -> None:
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a library prints is no answer
     faulthandler.enable()
+    second_reader.keep_one()
     tasks: queue.SimpleQueue[Task] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(tasks,), daemon=True).start()
     while True:

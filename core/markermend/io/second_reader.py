@@ -3,9 +3,13 @@
 ezc3d reads most C3D files, and on some it crashes, loops or reads beside the data. So it runs in a
 child that is spawned, never forked, and what comes back is an opinion on the file, not the take.
 
-Run as ``python -m markermend.io.second_reader FILE OUT.npz MEMORY_BYTES`` it is the child.
+Run as ``python -m markermend.io.second_reader FILE OUT.npz MEMORY_BYTES`` it is the child; without
+arguments it is one that stays, and takes these three from each line of its input.
 """
 
+import atexit
+import contextlib
+import json
 import os
 import subprocess
 import sys
@@ -53,6 +57,15 @@ def ask(path: Path, time_limit_s: float | None = None) -> Opinion:
     size = path.stat().st_size
     limit = TIME_LIMIT_S + size * _S_PER_BYTE if time_limit_s is None else time_limit_s
     memory = _MEMORY_BYTES + _MEMORY_PER_BYTE * size
+    if _kept is not None:
+        positions = _kept.ask(path, limit, memory)
+        if positions is not None:
+            return Opinion(positions)
+    return _ask_alone(path, limit, memory)
+
+
+def _ask_alone(path: Path, limit: float, memory: int) -> Opinion:
+    """Let a child of its own read the file."""
     with tempfile.TemporaryDirectory(prefix="markermend-", ignore_cleanup_errors=True) as folder:
         answer = Path(folder) / "answer.npz"
         child = subprocess.Popen(
@@ -75,6 +88,90 @@ def ask(path: Path, time_limit_s: float | None = None) -> Opinion:
             if "error" in stored:
                 return Opinion(None, f"refused it ({stored['error']})")
             return Opinion(stored["positions"])
+
+
+def keep_one() -> None:
+    """From now on keep a child for many files, in a process that reads one after another.
+
+    It is believed only where it has read a file: whatever trouble there is, a fresh child is asked
+    and the kept one is replaced, so that opinions do not depend on what was read before.
+    """
+    global _kept
+    if _kept is None:
+        _kept = _Kept()
+        atexit.register(_kept.close)
+
+
+class _Kept:
+    """A child that stays."""
+
+    def __init__(self) -> None:
+        self._child: subprocess.Popen[bytes] | None = None
+
+    def ask(self, path: Path, limit_s: float, memory: int) -> FloatArray | None:
+        """Give the positions, or None where there was any trouble."""
+        with tempfile.TemporaryDirectory(
+            prefix="markermend-", ignore_cleanup_errors=True
+        ) as folder:
+            answer = Path(folder) / "answer.npz"
+            try:
+                child = self._ready()
+                assert child.stdin is not None
+                asked = json.dumps([os.fspath(path.resolve()), str(answer), str(memory)])
+                child.stdin.write(f"{asked}\n".encode())
+                child.stdin.flush()
+                if _appears(answer, child, limit_s, memory):
+                    with np.load(answer, allow_pickle=False) as stored:
+                        if "error" not in stored:
+                            return np.asarray(stored["positions"])
+            except OSError:
+                pass  # it has ended
+            self.close()
+            return None
+
+    def _ready(self) -> "subprocess.Popen[bytes]":
+        if self._child is None:
+            self._child = subprocess.Popen(
+                [sys.executable, "-P", "-m", __name__],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
+            )
+        return self._child
+
+    def close(self) -> None:
+        """End the child; the next file has a fresh one."""
+        child, self._child = self._child, None
+        if child is None:
+            return
+        child.kill()
+        child.wait()
+        if child.stdin is not None:
+            with contextlib.suppress(OSError):  # what was not sent is not sent any more
+                child.stdin.close()
+
+
+_kept: _Kept | None = None
+
+
+def _appears(answer: Path, child: "subprocess.Popen[bytes]", limit_s: float, memory: int) -> bool:
+    """Wait until a child that stays has answered; false where it has to be ended, or has ended."""
+    import psutil
+
+    try:
+        watched = psutil.Process(child.pid)
+        end, pause = time.monotonic() + limit_s, 0.002
+        while not answer.exists():
+            if child.poll() is not None or time.monotonic() > end:
+                return False
+            if watched.memory_info().rss > memory:
+                return False
+            time.sleep(pause)
+            pause = min(0.05, 1.3 * pause)
+    except psutil.NoSuchProcess:
+        return False
+    return True
 
 
 def _wait(child: subprocess.Popen[bytes], limit_s: float, memory: int) -> str:
@@ -104,11 +201,19 @@ def _wait(child: subprocess.Popen[bytes], limit_s: float, memory: int) -> str:
 
 def main(arguments: list[str]) -> None:
     """Read one file and write what was found; the child's part."""
+    if not arguments:
+        for line in sys.stdin:
+            path, answer, memory = json.loads(line)
+            draft = f"{answer}.part.npz"
+            main([path, draft, memory])
+            Path(draft).replace(answer)  # it is there whole or not at all
+        return
     path, answer, memory = arguments
     if sys.platform != "win32":
         import resource
 
-        resource.setrlimit(resource.RLIMIT_AS, (int(memory), int(memory)))
+        _, most = resource.getrlimit(resource.RLIMIT_AS)
+        resource.setrlimit(resource.RLIMIT_AS, (int(memory), most))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     import ezc3d
 
