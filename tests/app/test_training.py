@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,8 +10,8 @@ import pytest
 import markermend as mm
 from markermend.comparing import agreement
 from markermend.model import Finding, Span, Take
-from markermend.review import Accept, AddFinding, Reclassify, Reject
-from markermend.review.decisions import read_decisions
+from markermend.review import Accept, AddFinding, Reclassify, Reject, Review
+from markermend.review.decisions import decisions_on, read_decisions
 from markermend.review.session import ReviewSession
 from markermend.review.store import Store
 from markermend.train import Request, archive, make_exercise
@@ -21,7 +22,7 @@ from markermend_app.state.training import Trainer
 from markermend_app.state.workspace import Workspace
 from markermend_app.views import adjudication, dialogs, exercise, exercise_feedback
 
-from .conftest import METHODS, Ticks, made_take, settle
+from .conftest import METHODS, Command, Ticks, made_take, settle
 
 LEVEL, SEED, DENSITY = 2, 4_815_162, 20.0
 Make = Callable[..., tuple[Comparing, Ticks]]
@@ -356,3 +357,84 @@ def test_an_adjudication_follows_one_the_other_or_neither_and_exports(
     accepted = [(w.marker, w.span, w.kind, w.method) for w in decisions.review.accepted()]
     assert accepted == [(w.marker, w.span, w.kind, w.method) for w in desk.review.accepted()]
     assert {wish.marker for wish in decisions.wishes(take)} == {"M3", findings[0].marker}
+
+
+# how the commands begin
+
+
+@pytest.fixture
+def served(monkeypatch: pytest.MonkeyPatch, store: Store) -> list[Any]:
+    """What the commands would serve; nothing listens."""
+    monkeypatch.setenv("MARKERMEND_STORE", store.where)
+    found: list[Any] = []
+    for name in ("train", "agree", "review"):
+        monkeypatch.setattr(
+            f"markermend_app.cli.{name}.serve", lambda options, *given: found.append(given)
+        )
+    return found
+
+
+def test_train_begins_with_an_exercise(
+    make: Make, command: Command, served: list[Any], tmp_path: Path
+) -> None:
+    clean = tmp_path / "clean.npz"
+    mm.write(clean_take(), clean)
+    ended = command("train", clean, "--level", 2, "--seed", 5, "--hidden", "--operator", "jo")
+    assert (ended.code, ended.out) == (0, "")
+    ((paths, begin, _),) = served
+    assert paths == ()
+    desk, ticks = make()
+    begin(desk)
+    settle(desk, ticks)
+    assert (desk.practice.trainee, desk.practice.level, desk.practice.hidden) == ("jo", 2, True)
+    take = make_exercise(mm.read(clean), 2, 5).take
+    assert desk.opened.take.content_hash == take.content_hash
+
+
+def test_agree_begins_with_the_tables(
+    make: Make, command: Command, served: list[Any], tmp_path: Path, take_path: Path
+) -> None:
+    take = mm.read(take_path)
+    finding = mm.detect(take)[0]
+    for name, decision in (("anna", Accept((finding,), "linear")), ("ben", Reject((finding,)))):
+        review = decision.apply(Review())
+        decisions_on(take, review).write(tmp_path / f"{name}.json")
+    files = (tmp_path / "anna.json", tmp_path / "ben.json")
+    assert command("agree", *files, "--page").code == 0
+    assert command("agree", *files, "--page", "--take", take_path).code == 0
+    (without, begin), (paths, begin_with) = served
+    assert (without, paths) == ((), (take_path,))
+    desk, ticks = make()
+    begin(desk)
+    settle(desk, ticks)
+    assert desk.compared.agreement.names == ("anna.json", "ben.json")
+    assert 'data-do="adjudicate" type="button" title="Needs the take' in exercise_feedback.sheet(
+        desk
+    )
+    desk, ticks = make(take_path)
+    begin_with(desk)
+    settle(desk, ticks)
+    perform(desk, "adjudicate")
+    settle(desk, ticks)
+    assert [one.words for one in desk.opinions] == [
+        f"{finding.kind} {finding.span.start}–{finding.span.stop - 1}, linear",
+        "false alarm",
+    ]
+
+
+def test_review_blind_needs_somebody_else(
+    make: Make,
+    command: Command,
+    served: list[Any],
+    take_path: Path,
+    reviewed: tuple[Take, tuple[Finding, ...], Finding],
+) -> None:
+    refused = command("review", take_path, "--blind", "--operator", "anna")
+    assert "name the second reviewer with --operator" in refused.refusal
+    assert command("review", take_path, "--blind", "--operator", "ben").code == 0
+    ((paths, begin),) = served
+    desk, ticks = make(*paths, name="whoever")
+    begin(desk)
+    settle(desk, ticks)
+    assert desk.session.operator == "ben"
+    assert desk.second == ("anna",)
