@@ -1,5 +1,6 @@
 """A small take with known artefacts, and a desk without a screen."""
 
+import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +12,7 @@ import markermend as mm
 from markermend.review.store import Store
 from markermend_app.cli import main
 from markermend_app.state.desk import Desk
+from markermend_app.state.worker import Worker
 from markermend_app.state.workspace import Workspace
 
 
@@ -60,16 +62,42 @@ def take_path(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.fixture(scope="session")
+def worker() -> Iterator[Worker]:
+    """Give the process that computes for all desks, since starting one takes a second."""
+    worker = Worker()
+    yield worker
+    worker.end()
+
+
+@pytest.fixture(scope="session")
+def found_before(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Give a folder with what is found in the small take: looking for it takes a second."""
+    folder = tmp_path_factory.mktemp("found")
+    path = folder / "small.c3d"
+    mm.write(made_take(), path)
+    with Store(folder / "store.sqlite") as store:
+        workspace = Workspace(store, (path,))
+        workspace.search(workspace.open(path))
+    return folder / "findings"
+
+
 @pytest.fixture
-def make_desk(tmp_path: Path, take_path: Path) -> Iterator[Callable[..., tuple[Desk, Ticks]]]:
+def make_desk(
+    tmp_path: Path, take_path: Path, worker: Worker, found_before: Path
+) -> Iterator[Callable[..., tuple[Desk, Ticks]]]:
     """Give a function that opens the small take on a new desk, as a new page would."""
     stores: list[Store] = []
     desks: list[Desk] = []
 
+    shutil.copytree(found_before, tmp_path / "findings")
+
     def make(ahead: int = 0) -> tuple[Desk, Ticks]:
         stores.append(Store(tmp_path / "store.sqlite"))
         ticks = Ticks()
-        desk = Desk(Workspace(stores[-1], (take_path,), methods=METHODS, ahead=ahead), ticks)
+        desk = Desk(
+            Workspace(stores[-1], (take_path,), methods=METHODS, ahead=ahead, worker=worker), ticks
+        )
         desks.append(desk)
         desk.open(take_path)
         settle(desk, ticks)
@@ -84,7 +112,7 @@ def make_desk(tmp_path: Path, take_path: Path) -> Iterator[Callable[..., tuple[D
 
 def settle(desk: Desk, ticks: Ticks) -> None:
     """Wait for all work that is under way, and show it."""
-    for _ in range(4):  # what is shown may begin further work
+    for _ in range(6):  # what is shown may begin further work
         desk.jobs.wait()
         ticks.run()
 

@@ -50,6 +50,11 @@ class Lanes:
         self.cursor = [self.ruler.cursor, *(cursor(f) for f in self.figures[1:])]
         self.evidence.xaxis.visible = True
         self._worn: tuple[str, str] = ("", "")
+        # Asking a figure for what it draws by name looks through all models of the page.
+        self._drawn: dict[str, list[Any]] = {}
+        for fig in self.figures[1:]:
+            for renderer in fig.renderers:
+                self._drawn.setdefault(renderer.name, []).append(renderer)
 
     def _axis_lane(self, axis: str) -> Any:
         sweep = BoxSelectTool(dimensions="width", persistent=False, name="sweep")
@@ -191,14 +196,15 @@ class Lanes:
 
     def restyle(self, theme: str, kind_shown: Kind) -> None:
         """Take the colours of a theme and of a kind, unless they are worn already."""
-        if (theme, kind_shown) == self._worn:
+        worn, self._worn = self._worn, (theme, kind_shown)
+        if worn == self._worn:
             return
-        self._worn = (theme, kind_shown)
         tokens = TOKENS[theme]
-        kind = tokens[kind_shown]
+        self._wear_kind(tokens[kind_shown])
+        if worn[0] == theme:
+            return
         lines = {
             "raw": tokens["ink"],
-            "inside": kind,
             "chosen": tokens["accent"],
             "others": tokens["ink3"],
             "signal": tokens["ink"],
@@ -210,19 +216,23 @@ class Lanes:
         self.ruler.restyle(theme)
         for fig in self.figures[1:]:
             paint(fig, tokens)
-            for name, colour in lines.items():
-                for renderer in fig.select(name=name):
-                    renderer.glyph.line_color = colour
-            for renderer in fig.select(name="band"):
-                renderer.glyph.fill_color = tokens["band"]
-            for renderer in fig.select(name="over"):
-                renderer.glyph.fill_color = kind
-            for renderer in fig.select(name="dots"):
-                renderer.glyph.update(fill_color=kind, line_color=kind)
+        for name, colour in lines.items():
+            for renderer in self._drawn[name]:
+                renderer.glyph.line_color = colour
+        for renderer in self._drawn["band"]:
+            renderer.glyph.fill_color = tokens["band"]
         for span in self.cursor:
             span.line_color = tokens["ink"]
         self.threshold.line_color = tokens["ink2"]
         self.levels.text_color = tokens["ink2"]
+
+    def _wear_kind(self, colour: str) -> None:
+        for renderer in self._drawn["inside"]:
+            renderer.glyph.line_color = colour
+        for renderer in self._drawn["over"]:
+            renderer.glyph.fill_color = colour
+        for renderer in self._drawn["dots"]:
+            renderer.glyph.update(fill_color=colour, line_color=colour)
 
 
 def _lines(curves: tuple[Curve, ...]) -> dict[str, list[np.ndarray]]:

@@ -15,6 +15,7 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
+from markermend.model import FloatArray
 from markermend_app.plots.figures import GUTTER, paint
 from markermend_app.state.values import OverviewValues
 from markermend_app.style.tokens import TOKENS
@@ -79,25 +80,36 @@ class Overview:
         fig.ygrid.visible = False
         fig.xaxis.formatter = PrintfTickFormatter(format="%.9g s")
         self.figure: Any = fig
+        self._shade: FloatArray | None = None
+        self._theme = ""
 
     def show(self, values: OverviewValues, theme: str) -> None:
-        """Show another take, other findings or another theme, in place."""
+        """Show another take, other findings or another theme, in place; only what has changed."""
         tokens = TOKENS[theme]
+        if values.shade is not self._shade:
+            self._shade = values.shade
+            self._show_take(values)
+        if theme != self._theme:
+            self._theme = theme
+            self._restyle(tokens)
+        self._show_marks(values, tokens)
+
+    def _show_take(self, values: OverviewValues) -> None:
         n_rows = max(1, len(values.shade))
         fig = self.figure
         fig.x_range.update(start=0, end=max(values.duration_s, 1e-3))
         fig.y_range.update(start=0, end=n_rows)
         self.image.data = {"image": [values.shade], "dw": [values.duration_s], "dh": [n_rows]}
         known = values.shade[np.isfinite(values.shade)]
-        self.mapper.update(
-            palette=_ramp(tokens["panel"], tokens["line2"], 64),
-            high=float(np.quantile(known, 0.98)) if known.size else 1.0,
-            nan_color=tokens["sunk"],
-        )
+        self.mapper.high = float(np.quantile(known, 0.98)) if known.size else 1.0
         fig.yaxis.ticker = FixedTicker(ticks=[row for row, _ in values.groups])
         fig.yaxis.major_label_overrides = {row: _cut(name) for row, name in values.groups}
-        self._show_marks(values, tokens)
-        paint(fig, tokens)
+
+    def _restyle(self, tokens: dict[str, str]) -> None:
+        self.mapper.update(
+            palette=_ramp(tokens["panel"], tokens["line2"], 64), nan_color=tokens["sunk"]
+        )
+        paint(self.figure, tokens)
         self.window.update(fill_color=tokens["accent"], line_color=tokens["accent"])
         self.playhead.line_color = tokens["ink"]
         self.selected.glyph.line_color = tokens["ink"]
@@ -118,7 +130,9 @@ class Overview:
                 grown = (box[0] - least / 2, box[1] + least / 2, row - 0.9, row + 1.9)
                 for name, value in zip(ring, grown, strict=True):
                     ring[name].append(value)
-        self.marks.data, self.ring.data = columns, ring
+        for source, data in ((self.marks, columns), (self.ring, ring)):
+            if source.data != data:
+                source.data = data
 
 
 def _cut(name: str, most: int = 8) -> str:

@@ -1,15 +1,14 @@
 """What the operator decides: verdicts, kinds, edges, notes, spans added, split and merged."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import param
 
-from markermend.errors import MarkerMendError
 from markermend.model import Finding, Kind, Span
-from markermend.repairing.run import Wish, pose
-from markermend.repairing.trust import expected_error
+from markermend.repairing import Wish
 from markermend.review import (
     Accept,
     AddFinding,
@@ -25,6 +24,7 @@ from markermend.review import (
     Split,
 )
 from markermend.review.session import Change
+from markermend_app.state import computing
 from markermend_app.state.jobs import Ticket
 from markermend_app.state.queueing import Queueing
 
@@ -42,7 +42,14 @@ class Deciding(Queueing):
 
     def __init__(self, *given: Any, **values: Any) -> None:
         super().__init__(*given, **values)
+        self._unmeasured: dict[
+            tuple[str, Span, str], tuple[Wish, tuple[tuple[str, Span], ...]]
+        ] = {}
         self._accepting = ""  # the finding to be accepted once its repair is there
+
+    def _forget(self) -> None:
+        super()._forget()
+        self._unmeasured.clear()
 
     # verdicts
 
@@ -52,9 +59,36 @@ class Deciding(Queueing):
         if repair is None:
             self._accepting = self.selected
             return
+        current, masked = self.current, self._masked(self.selected)
         # It is shown as accepted without being computed again.
         self.mended = self.mended | {(repair.marker, repair.span, repair.method): repair}
         self._decide(lambda f: Accept((f,), repair.method, repair.parameters))
+        if current is not None and repair.expected_mm is None and repair.method != "leave":
+            self._measure(self.judged(current).wish, masked)
+
+    def _measure(self, wish: Wish, masked: tuple[tuple[str, Span], ...]) -> None:
+        """Find out the error to be expected of what was accepted before it was compared."""
+        opened = self.opened
+        assert opened is not None
+        self._unmeasured[(wish.marker, wish.span, wish.method)] = (wish, masked)
+
+        def work(ticket: Ticket) -> None:
+            worker = self.workspace.worker
+            for key, (wish, masked) in list(self._unmeasured.items()):
+                error = worker.call(
+                    computing.expected, worker.lend(opened.take), wish, masked, wish.method
+                )
+                if not ticket.valid():
+                    return  # whoever took over measures it
+                ticket.tell(lambda k=key, e=error: self._measured(k, e))  # type: ignore[misc]
+
+        self.jobs.run("measure", work, lambda _: None)
+
+    def _measured(self, key: tuple[str, Span, str], error: float) -> None:
+        self._unmeasured.pop(key, None)
+        done = self.mended.get(key)
+        if done is not None and np.isfinite(error):
+            self.mended = self.mended | {key: replace(done, expected_mm=error)}
 
     def leave(self) -> None:
         """Leave the span as a gap and go on."""
@@ -90,7 +124,8 @@ class Deciding(Queueing):
         with param.parameterized.batch_call_watchers(self):
             do(command)
             left = self.queue
-            passed = {current.id, *queue[:at]}
+            # What was found only after the operator had come here was not passed.
+            passed = {current.id, *queue[:at]} - self._arrived
             after = next((f for f in left if f.id not in passed), None)
             self.select(after or (left[0] if left else current))
 
@@ -227,7 +262,10 @@ class Deciding(Queueing):
             for finding, wish in zip(found, wishes, strict=True):
                 if not ticket.valid():
                     return
-                error = _expected(opened.take, wish, masked, method)
+                worker = self.workspace.worker
+                error = worker.call(
+                    computing.expected, worker.lend(opened.take), wish, masked, method
+                )
                 ticket.tell(lambda f=finding, e=error: self._expects(f.id, e))  # type: ignore[misc]
 
         self.jobs.run("similar", work, lambda _: None)
@@ -293,12 +331,3 @@ class Deciding(Queueing):
             change = self._commit(move)
             if change is not None:
                 self.select(change.select or self.selected or self._first_open())
-
-
-def _expected(take: Any, wish: Wish, masked: Any, method: str) -> float:
-    """Measure the error to be expected of a method on one wish; NaN where it does not apply."""
-    try:
-        found = expected_error(pose(take, wish, masked), [method])
-    except MarkerMendError:
-        return float(np.nan)
-    return found[method].expected_mm if method in found else float(np.nan)

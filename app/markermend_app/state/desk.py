@@ -61,6 +61,7 @@ class Desk(Deciding):
             def report(step: str) -> None:
                 ticket.tell(lambda: self.param.update(busy=f"{step}: {path.name}"))
 
+            self.workspace.worker.warm_up()
             try:
                 opened = self.workspace.open(path, units, rate, report)
                 return opened, self.workspace.learnt(opened, self.person.name)
@@ -73,9 +74,11 @@ class Desk(Deciding):
 
     def cancel(self) -> None:
         """Give up what is being done; the desk stays as it was."""
-        for topic in ("open", "export", "report"):
+        for topic in ("open", "export", "report", "search"):
             self.jobs.cancel(topic)
-        self.busy = ""
+        if self.searching:
+            self.message = "Only gaps are listed; open the take again to look for the rest."
+        self.param.update(busy="", searching="")
 
     def _opened(self, result: tuple[Opened, Triage] | Asked | str) -> None:
         if isinstance(result, str):
@@ -85,13 +88,16 @@ class Desk(Deciding):
             self.param.update(busy="", asked=result, dialog="ask")
             return
         opened, triage = result
+        self.jobs.cancel("search")
+        self._forget()
         self.session, told = self._begin(opened)
         with param.parameterized.batch_call_watchers(self):
             self.select(None)
             self.param.update(
                 busy="",
                 opened=opened,
-                mended={},
+                found=opened.findings,
+                searching="",
                 triage=triage,
                 frame=0,
                 playing=False,
@@ -107,6 +113,25 @@ class Desk(Deciding):
             if not self.selected and len(opened.take.measured):
                 self.marker = opened.take.labels[int(opened.take.measured[0])]
                 self._fit_window()
+        if not opened.complete:
+            self._search(opened)
+
+    def _search(self, opened: Opened) -> None:
+        """Look for everything else than gaps while the operator begins with those."""
+        self.searching = "Looking for artefacts"
+        self.jobs.run(
+            "search", lambda ticket: self.workspace.search(opened, ticket.valid), self._searched
+        )
+
+    def _searched(self, opened: Opened) -> None:
+        """Take in what was found; what the operator looks at stays at hand."""
+        known = {finding.id for finding in self.findings}
+        with param.parameterized.batch_call_watchers(self):
+            self.param.update(found=opened.findings, searching="")
+            self._show()
+            self._arrived = {f.id for f in self.findings} - known
+            if not self.selected:
+                self.select(self._first_open())
 
     def _begin(self, opened: Opened) -> tuple[ReviewSession, tuple[str, ...]]:
         """Give the review that is worked on, and what the operator should know of it."""

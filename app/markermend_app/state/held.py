@@ -22,6 +22,8 @@ class Held(param.Parameterized):  # type: ignore[misc]  # param has no types
 
     opened: Opened | None = param.Parameter(doc="The take at hand with its findings and body.")
     review: Review = param.Parameter(Review(), doc="All decisions; replaced whole.")
+    found: tuple[Finding, ...] = param.Parameter((), doc="All that was found, whatever strength.")
+    searching: str = param.String("", doc="What is still being looked for, or empty.")
     findings: tuple[Finding, ...] = param.Parameter((), doc="What there is to look at now.")
     selected: str = param.String("", doc="Id of the finding at hand.")
     marker: str = param.String("", doc="Label of the marker that the lanes show.")
@@ -91,10 +93,8 @@ class Held(param.Parameterized):  # type: ignore[misc]  # param has no types
 
     def candidates(self, kind: Kind, factor: float | None = None) -> int:
         """Count what the detector finds of a kind at a threshold, by default the one set."""
-        if self.opened is None:
-            return 0
         least = self.thresholds[kind] if factor is None else factor
-        return sum(f.kind == kind and f.strength >= least for f in self.opened.findings)
+        return sum(f.kind == kind and f.strength >= least for f in self.found)
 
     def do(self, command: Command) -> Change | None:
         """Let a command happen; what cannot be done is said in the message."""
@@ -120,7 +120,7 @@ class Held(param.Parameterized):  # type: ignore[misc]  # param has no types
     def _show(self) -> None:
         assert self.opened is not None
         assert self.session is not None
-        detected = [f for f in self.opened.findings if f.strength >= self.thresholds[f.kind]]
+        detected = [f for f in self.found if f.strength >= self.thresholds[f.kind]]
         review = self.session.review
         findings = review.live(detected)
         same = findings == self.findings

@@ -2,15 +2,17 @@
 
 import time
 from collections import OrderedDict
+from collections.abc import Generator
+from contextlib import closing
 from typing import Any
 
 import param
 
-from markermend.errors import CannotRepair
 from markermend.model import Span
-from markermend.repairing import Repair, Wish, repair
+from markermend.repairing import Repair, Wish
+from markermend.repairing.compare import Row
 from markermend.review import Choose, Judgement
-from markermend_app.state import previews
+from markermend_app.state import computing, previews
 from markermend_app.state.jobs import Ticket
 from markermend_app.state.looking import Looking
 from markermend_app.state.previews import Offer, Preview
@@ -18,7 +20,7 @@ from markermend_app.state.workspace import Opened
 
 REFRESH_S = 0.3
 """How often the table of repairs is drawn anew while it fills."""
-REST_S = 0.25
+REST_S = 0.15
 """An operator who goes on sooner than this is not kept waiting by comparisons."""
 KEPT = 24
 """Findings whose comparison is remembered."""
@@ -41,6 +43,11 @@ class Offering(Looking):
         super().__init__(*given, **values)
         self._known: OrderedDict[Key, Offer] = OrderedDict()
         self.param.watch(lambda *_: self._mend(), ["review"])
+
+    def _forget(self) -> None:
+        """Let go of what was offered of another take."""
+        self._known.clear()
+        self.mended = {}
 
     def _masked(self, but: str) -> tuple[tuple[str, Span], ...]:
         return tuple(
@@ -96,12 +103,13 @@ class Offering(Looking):
             if not ticket.valid():
                 return None
             shown, offer = time.monotonic(), None
-            for offer in previews.compared(opened.take, judged, masked, rows, names):
-                if not ticket.valid():
-                    return None
-                if time.monotonic() - shown > REFRESH_S and not offer.complete:
-                    shown = time.monotonic()
-                    ticket.tell(lambda offer=offer: self._offered(offer))  # type: ignore[misc]
+            with closing(self._computed(opened, judged, masked, names)) as computed:
+                for offer in previews.compared(computed, judged, rows, len(names)):
+                    if not ticket.valid():
+                        return None
+                    if time.monotonic() - shown > REFRESH_S and not offer.complete:
+                        shown = time.monotonic()
+                        ticket.tell(lambda offer=offer: self._offered(offer))  # type: ignore[misc]
             return offer
 
         def done(offer: Offer | None) -> None:
@@ -113,6 +121,22 @@ class Offering(Looking):
 
         self.comparing = names[0] if len(names) == 1 else "all"
         self.jobs.run("compare", work, done)
+
+    def _computed(
+        self,
+        opened: Opened,
+        judged: Judgement,
+        masked: tuple[tuple[str, Span], ...],
+        names: tuple[str, ...],
+    ) -> Generator[Row]:
+        """Give what each method does, computed beside the server."""
+        worker = self.workspace.worker
+        return worker.stream(computing.rows, worker.lend(opened.take), judged.wish, masked, names)
+
+    def fail(self, sentence: str) -> None:
+        """Say what went wrong; nothing is being compared any more."""
+        self.comparing = ""
+        super().fail(sentence)
 
     def try_slow(self, method: str) -> None:
         """Compute and compare a method that takes long, because the operator asks for it."""
@@ -164,29 +188,25 @@ class Offering(Looking):
             return
         masked = self.accepted
 
-        def work(ticket: Ticket) -> None:
+        def work(ticket: Ticket) -> dict[Any, Repair]:
+            worker, shown, mended = self.workspace.worker, time.monotonic(), {}
             for wish in todo:
                 if not ticket.valid():
-                    return
-                try:
-                    done = repair(
-                        opened.take,
-                        wish.marker,
-                        wish.span,
-                        wish.method,
-                        kind=wish.kind,
-                        partner=wish.partner,
-                        masked=masked,
-                        **wish.parameters,
-                    )
-                except CannotRepair:
-                    continue  # the export will say so; there is nothing to be shown
-                ticket.tell(lambda w=wish, d=done: self._mended(w, d))  # type: ignore[misc]
+                    break
+                done = worker.call(computing.mended, worker.lend(opened.take), wish, masked)
+                if done is None:
+                    continue
+                mended[_wished(wish)] = done
+                if time.monotonic() - shown > REFRESH_S:
+                    shown, sofar = time.monotonic(), dict(mended)
+                    ticket.tell(lambda sofar=sofar: self._mended(sofar))  # type: ignore[misc]
+            return mended
 
-        self.jobs.run("mend", work, lambda _: None)  # fmt: skip
+        self.jobs.run("mend", work, self._mended)
 
-    def _mended(self, wish: Wish, done: Repair) -> None:
-        self.mended = self.mended | {_wished(wish): done}
+    def _mended(self, done: dict[Any, Repair]) -> None:
+        if done:
+            self.mended = self.mended | done
 
     def choose(self, method: str) -> None:
         """Choose a repair for the finding at hand; the choice is kept."""

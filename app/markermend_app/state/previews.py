@@ -8,12 +8,17 @@ from markermend.errors import CannotRepair
 from markermend.model import Kind, Span, Take
 from markermend.repairing import DEFAULTS, REPAIRS, Repair, repair
 from markermend.repairing.checks import Checks
-from markermend.repairing.compare import Row, compare_iter, concluded
+from markermend.repairing.compare import Row, concluded
 from markermend.repairing.trust import SLOW, Trust
 from markermend.review import Judgement
 
-AT_HAND = ("unstep", "unslow", "rigid", "butterworth", "pchip", "linear", "leave")
+AT_HAND = ("unstep", "rigid", "butterworth", "pchip", "linear", "leave")
 """Methods that take a few milliseconds; what they give is shown before anything is compared."""
+SOONEST = (
+    "swap", "auto", "linear", "pchip", "spline", "savgol", "butterworth", "join", "pattern",
+    "unstep", "rigid", "lgrnn", "wpca", "lpr", "rlk", "glr", "kinematic", "pma",
+)  # fmt: skip
+"""The order of comparing: what the others are measured by, then by the time they take."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,30 +112,17 @@ def _computed(
         )
     except CannotRepair as refusal:
         return replace(row, reason=str(refusal), compared=True)
+    # Not a view of an array that would be kept with it.
+    done = replace(done, values=done.values.copy())
     return replace(row, repair=done, seconds=time.perf_counter() - began)
 
 
 def compared(
-    take: Take,
-    judged: Judgement,
-    masked: Sequence[tuple[str, Span]],
-    rows: Sequence[Preview],
-    names: Iterable[str],
+    computed: Iterable[Row], judged: Judgement, rows: Sequence[Preview], n_methods: int
 ) -> Iterator[Offer]:
-    """Try the named methods on pseudo-gaps; give all rows again after each of them."""
+    """Take in what was tried on pseudo-gaps; give all rows again after each method."""
     known = {row.name: row for row in rows}
-    names = tuple(names)
-    for at, row in enumerate(
-        compare_iter(
-            take,
-            judged.finding.marker,
-            judged.span,
-            names,
-            kind=judged.kind,
-            partner=judged.finding.partner,
-            masked=masked,
-        )
-    ):
+    for done, row in enumerate(computed, 1):
         known[row.method] = replace(
             known[row.method],
             repair=row.repair,
@@ -140,12 +132,15 @@ def compared(
             checks=row.checks,
             compared=True,
         )
-        yield recommended(tuple(known.values()), judged, complete=at + 1 == len(names))
+        yield recommended(tuple(known.values()), judged, complete=done == n_methods)
 
 
 def quick(rows: Iterable[Preview]) -> tuple[str, ...]:
-    """Name the methods that are compared without being asked."""
-    return tuple(row.name for row in rows if not row.slow)
+    """Name the methods that are compared without being asked, in the order of doing it."""
+    names = [row.name for row in rows if not row.slow]
+    return tuple(
+        sorted(names, key=lambda name: SOONEST.index(name) if name in SOONEST else len(SOONEST))
+    )
 
 
 def recommended(rows: Sequence[Preview], judged: Judgement, *, complete: bool) -> Offer:

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Mapping
+from contextlib import closing
 from itertools import pairwise
 from statistics import median
 from typing import Any
@@ -32,6 +33,7 @@ class Queueing(Offering):
     def __init__(self, *given: Any, **values: Any) -> None:
         super().__init__(*given, **values)
         self._ordered: tuple[Any, tuple[Finding, ...]] = ((), ())
+        self._arrived: set[str] = set()
 
     @property
     def queue(self) -> tuple[Finding, ...]:
@@ -105,6 +107,7 @@ class Queueing(Offering):
             )
             return
         judged = self.judged(found)
+        self._arrived.discard(found.id)
         with param.parameterized.batch_call_watchers(self):
             self.param.update(
                 selected=found.id,
@@ -189,11 +192,12 @@ class Queueing(Offering):
                     return
                 rows = previews.at_hand(opened.take, judged, masked, self.workspace.methods)
                 names = previews.quick(rows)
-                for offer in previews.compared(opened.take, judged, masked, rows, names):
-                    if not ticket.valid():
-                        return
-                    if offer.complete:
-                        ticket.tell(lambda k=key, o=offer: self._remember(k, o))  # type: ignore[misc]
+                with closing(self._computed(opened, judged, masked, names)) as computed:
+                    for offer in previews.compared(computed, judged, rows, len(names)):
+                        if not ticket.valid():
+                            return
+                        if offer.complete:
+                            ticket.tell(lambda k=key, o=offer: self._remember(k, o))  # type: ignore[misc]
 
         if todo:
             self.jobs.run("prepare", work, lambda _: None)

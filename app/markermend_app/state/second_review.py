@@ -143,10 +143,10 @@ class Comparing(Practising):
         def work(ticket: Ticket) -> tuple[Opinions, Opened]:
             sides = material.opinions()
             if opened is not None and opened.take.content_hash == sides.take.content_hash:
-                return sides, opened
+                return sides, self.workspace.search(opened)
             source = sides.take.source
             assert source is not None, "reviews of files are of takes from files"
-            return sides, self.workspace.open(source.path)
+            return sides, self.workspace.search(self.workspace.open(source.path))
 
         self.jobs.run("agree", work, lambda found: self._adjudicate(material, *found))
 

@@ -1,9 +1,11 @@
 """What all pages of one server share: takes that were opened, and the store of reviews."""
 
+import logging
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from concurrent.futures import ThreadPoolExecutor, wait
+from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from pathlib import Path
 
@@ -15,19 +17,25 @@ from markermend.repairing import REPAIRS
 from markermend.review.session import ReviewSession
 from markermend.review.store import Store
 from markermend.review.triage import Triage, learn
+from markermend_app.state import computing, keeping
 from markermend_app.state.archive import Archive
 from markermend_app.state.reach import Reach
+from markermend_app.state.worker import Worker
 
 Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True, eq=False)
 class Opened:
-    """A take that is ready for review: what was found in it, and its body."""
+    """A take that is ready for review: what was found in it, and its body.
+
+    ``complete`` is false while only its gaps are known; see `Workspace.search`.
+    """
 
     take: Take
     findings: tuple[Finding, ...]
     mesh: body.Body
+    complete: bool = field(default=True, kw_only=True)
 
     @property
     def name(self) -> str:
@@ -62,6 +70,10 @@ class Takes:
     recent: tuple[Place, ...]
 
 
+LOG = logging.getLogger(__name__)
+
+PATIENCE_S = 0.1
+"""How often a search asks whether it is still wanted."""
 MOST_RECENT = 12
 MOST_LEARNT = 200
 MOST_DROPPED_BYTES = 512_000_000
@@ -90,6 +102,8 @@ class Workspace:
         The folder that can be reached from a page; by default all of the disk.
     most_upload
         How large a file may be that is dropped on a page, bytes.
+    worker
+        Computes for the pages; by default a process that is started with the first take.
     archive
         What a batch found in the folder that the files lie in, or None.
     """
@@ -109,13 +123,15 @@ class Workspace:
         ahead: int = 3,
         reach: Reach | None = None,
         most_upload: int = MOST_DROPPED_BYTES,
+        worker: Worker | None = None,
         archive: Archive | None = None,
     ) -> None:
         self.store, self.paths, self.detector = store, paths, detector
         self.methods, self.ahead = REPAIRS.names() if methods is None else methods, ahead
         self.units, self.rate, self.ignore_residuals = units, rate, ignore_residuals
         self.reach, self.most_upload, self.archive = reach, most_upload, archive
-        self._lock = threading.Lock()
+        self.worker = Worker() if worker is None else worker
+        self._lock, self._searching = threading.Lock(), threading.Lock()
         self._kept: OrderedDict[tuple[object, ...], Opened] = OrderedDict()
 
     def find(self, given: str | Path) -> Path:
@@ -140,7 +156,9 @@ class Workspace:
         rate: float | None = None,
         progress: Progress = lambda _: None,
     ) -> Opened:
-        """Read a take and find what is in it; a second time it is there at once.
+        """Read a take; a second time it is there at once.
+
+        Of what is in it, the gaps are known, and everything if it was looked for before.
 
         Raises
         ------
@@ -157,14 +175,69 @@ class Workspace:
                 take = io.read(
                     path, units=given[0], rate=given[1], ignore_residuals=self.ignore_residuals
                 )
-                progress("Looking for artefacts")
-                found = detection.scan(take, self.detector)
+                found = self._found_before(take)
+                gaps = detection.gaps(take) if found is None else found
                 progress("Finding the body")
-                self._kept[key] = Opened(take, found, body.infer(take))
+                mesh = body.infer(take)
+                self._kept[key] = Opened(take, gaps, mesh, complete=found is not None)
                 while len(self._kept) > self.KEPT:
                     self._kept.popitem(last=False)
             self._kept.move_to_end(key)
             return self._kept[key]
+
+    def search(self, opened: Opened, wanted: Callable[[], bool] = lambda: True) -> Opened:
+        """Find everything that is in a take, in a process that ends with it.
+
+        Parameters
+        ----------
+        opened
+            A take as it was opened.
+        wanted
+            Asked now and then; once it says no, the search is given up and nothing more is known.
+
+        Raises
+        ------
+        MarkerMendError
+            If the detector fails, or its process ends.
+        """
+        with self._searching:
+            opened = self._latest(opened)
+            if opened.complete or not wanted():
+                return opened
+            path = self.worker.lend(opened.take)
+            found = _found(path, self.detector, wanted)
+            if found is None:
+                return opened
+            done = replace(opened, findings=found, complete=True)
+            for key, known in list(self._kept.items()):
+                if known is opened:
+                    self._kept[key] = done
+            place = self._place(opened.take)
+            if place is not None:
+                try:
+                    keeping.keep(place, found)
+                except OSError as error:
+                    LOG.warning("What was found is not kept in %s: %s", place, error)
+            return done
+
+    def _latest(self, opened: Opened) -> Opened:
+        """Give what is known of a take by now, if another page has looked meanwhile."""
+        known = (o for o in self._kept.values() if o.take is opened.take)
+        return opened if opened.complete else next(known, opened)
+
+    def _found_before(self, take: Take) -> tuple[Finding, ...] | None:
+        place = self._place(take)
+        return None if place is None else keeping.kept(place)
+
+    def _place(self, take: Take) -> Path | None:
+        """Give where the findings of a take are kept; nowhere beside a store that is no file."""
+        folder = Path(self.store.where).parent
+        if take.source is None or not folder.is_dir():
+            return None
+        settings = (take.units, take.rate, take.source.units, self.ignore_residuals)
+        return keeping.place(
+            folder / "findings", take.content_hash, detector=self.detector, settings=settings
+        )
 
     def begin(
         self, opened: Opened, operator: str | None = None
@@ -262,6 +335,20 @@ class Workspace:
                 "markermend review PATH."
             ) from None
         return folder / plain
+
+
+def _found(path: Path, detector: str, wanted: Callable[[], bool]) -> tuple[Finding, ...] | None:
+    """Run the detector in a process of its own: what it needs of memory ends with it."""
+    worker = Worker()
+    with ThreadPoolExecutor(1) as waits:
+        try:
+            result = waits.submit(worker.call, computing.found, path, detector)
+            while wait([result], timeout=PATIENCE_S).not_done:
+                if not wanted():
+                    return None
+            return result.result()
+        finally:
+            worker.end()
 
 
 def _stamp(path: Path) -> tuple[int, int] | None:

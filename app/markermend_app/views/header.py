@@ -5,7 +5,7 @@ from html import escape
 from markermend_app.state.desk import Desk
 from markermend_app.views.markup import button, icon, kbd
 
-SHOWS = ("opened", "review", "findings", "busy", "saved", "theme", "thresholds")
+SHOWS = ("opened", "review", "findings", "busy", "searching", "saved", "theme", "thresholds")
 MARK = (
     '<svg width="22" height="22" viewBox="0 0 22 22" aria-hidden="true">'
     '<path d="M2 16 6.500 6l3.500 7" fill="none" stroke="var(--ink)" stroke-width="2"/>'
@@ -35,6 +35,13 @@ def render(desk: Desk) -> str:
         )
         left = _time_left(desk.pace_s, counts.open)
         progress += f'<span class="quiet num small-out">{left}</span>' if left else ""
+    if desk.searching and not desk.busy:
+        progress = (
+            f'<span class="num"><b>{counts.settled}</b> of {counts.total} settled</span>'
+            f'<span role="status" class="quiet">{escape(desk.searching)} …</span>'
+            f'<span class="bar running" role="progressbar" aria-label="{escape(desk.searching)}">'
+            f"<i></i></span>{button('cancel', 'Stop', classes='tool boxed', key=False)}"
+        )
     if desk.busy:
         cancel = button("cancel", "Cancel", classes="tool boxed", key=False)
         progress = (

@@ -19,6 +19,7 @@ from markermend_app.views.part import Intent
 
 HEAD_SHOWS = (
     "findings",
+    "searching",
     "review",
     "kinds",
     "opened",
@@ -98,6 +99,8 @@ def foot(desk: Desk) -> str:
 def _empty(desk: Desk, n_open: int) -> str:
     if desk.opened is None:
         return "" if desk.busy else _no_take()
+    if desk.searching and not n_open:
+        return '<div class="empty"><b>Still looking.</b></div>'
     if not desk.findings and desk.empty:
         return f'<div class="empty">{escape(desk.empty)}</div>'
     if not desk.findings:
@@ -171,7 +174,7 @@ class Queue(Component):
         if desk.opened is None:
             return {}
         queue, settled = desk.queue, desk.settled
-        worst = max((desk.damage(f) for f in desk.opened.findings), default=0.0) or 1.0
+        worst = max((desk.damage(f) for f in desk.found), default=0.0) or 1.0
         rows = {f.id: self._row(f, lambda f: self._open_row(f, worst)) for f in queue}
         if settled:
             rows["-"] = self._divider(f"Settled {len(settled)}")

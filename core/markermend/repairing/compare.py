@@ -130,10 +130,10 @@ def compare_iter(
     masked: Iterable[tuple[str, Span]] = (),
     training: Sequence[Take] = (),
 ) -> Iterator[Row]:
-    """Give the rows of `compare` one by one, the quick methods first."""
+    """Give the rows of `compare` one by one: the quick methods first, else in the order given."""
     span = span if isinstance(span, Span) else Span(*span)
     names = REPAIRS.names() if methods is None else tuple(methods)
-    chosen = [REPAIRS.get(name) for name in sorted(names, key=lambda name: (name in SLOW, name))]
+    chosen = [REPAIRS.get(name) for name in sorted(names, key=lambda name: name in SLOW)]
     near, first, hidden = nearby(take, span, masked)
     wish = Wish(marker, moved(span, -first), kind, partner)
     return _rows(pose(near, wish, hidden, training), chosen, span)
