@@ -3,12 +3,13 @@
 import re
 from base64 import b64decode
 from collections.abc import Iterable, Iterator
+from itertools import product
 from typing import Any
 
 import numpy as np
 from playwright.sync_api import Page, Response
 
-from markermend.model import FloatArray, Take
+from markermend.model import FloatArray
 from markermend.train import Exercise
 
 BASE64 = re.compile(rb"[A-Za-z0-9+/]{16,}={0,2}")
@@ -57,6 +58,10 @@ def _decoded(plain: bytes) -> Iterator[bytes]:
         yield b64decode(found[:whole])
 
 
+MOST_FRAMES = 8
+"""Frames of a span whose values are searched for: who sent the others would send these."""
+
+
 def values(true: FloatArray, other: FloatArray) -> Iterator[bytes]:
     """Give how the true values could be written where they are not the other ones.
 
@@ -66,9 +71,11 @@ def values(true: FloatArray, other: FloatArray) -> Iterator[bytes]:
         (n, n_dims) mm of one marker over one span, as it was and as it is shown.
     """
     differs = ~np.isclose(true, other, atol=0.01)  # NaN is shown in a gap
-    for (i, j), value in np.ndenumerate(true):
+    frames = np.unique(np.linspace(0, len(true) - 1, MOST_FRAMES).astype(int))
+    for i, j in product(frames, range(true.shape[1])):
         if not differs[i, j]:
             continue
+        value = true[i, j]
         yield value.tobytes()
         yield repr(float(value)).encode()
         yield f"{value:.6f}"[:-1].encode()  # the last digit could be rounded otherwise
@@ -79,45 +86,44 @@ def values(true: FloatArray, other: FloatArray) -> Iterator[bytes]:
             yield true[i : i + 2, j].astype(np.float32).tobytes()
 
 
-def spans(starts_and_stops: Iterable[tuple[int, int]], rate: float) -> Iterator[re.Pattern[bytes]]:
-    """Give how the edges of spans could be written: as frames or seconds, in text or in bytes."""
-    for start, stop in starts_and_stops:
-        for last in (stop, stop - 1):
-            yield _beside(f"{start}", f"{last}")
-            yield _beside(f"{start / rate:.2f}", f"{last / rate:.2f}")
-            for kind in (np.int32, np.int64, np.float32, np.float64):
-                yield re.compile(re.escape(np.array([start, last], kind).tobytes()))
-        for time in ((start - 0.5) / rate, (stop - 0.5) / rate):
-            yield re.compile(re.escape(np.float64(time).tobytes()))
+def edges(start: int, stop: int, rate: float) -> tuple[list[str], list[bytes]]:
+    """Give how the edges of a span could be written, in frames or seconds: as text, as bytes."""
+    texts, plain = [], []
+    for last in (stop, stop - 1):
+        texts += [
+            _beside(f"{start}", f"{last}"),
+            _beside(f"{start / rate:.2f}", f"{last / rate:.2f}"),
+        ]
+        plain += [
+            np.array([start, last], kind).tobytes()
+            for kind in (np.int32, np.int64, np.float32, np.float64)
+        ]
+    plain += [np.float64((frame - 0.5) / rate).tobytes() for frame in (start, stop)]
+    return texts, plain
 
 
-def _beside(one: str, other: str) -> re.Pattern[bytes]:
-    return re.compile(rf"(?<![\d.]){re.escape(one)}[^\d]{{1,20}}{re.escape(other)}(?!\d)".encode())
+def _beside(one: str, other: str) -> str:
+    return rf"(?<![\d.]){re.escape(one)}[^\d]{{1,20}}{re.escape(other)}(?!\d)"
 
 
-def kinds(exercise: Exercise) -> Iterator[re.Pattern[bytes]]:
+def kinds(exercise: Exercise) -> list[str]:
     """Give how the kinds of all artefacts could be written one after another."""
     by_time = sorted(exercise.truths, key=lambda truth: truth.span)
-    for truths in (exercise.truths, by_time):
-        yield re.compile(r"\W{1,8}".join(truth.kind for truth in truths).encode())
+    return [
+        r"\W{1,8}".join(truth.kind for truth in truths) for truths in (exercise.truths, by_time)
+    ]
 
 
 def told(heard: bytes, exercise: Exercise, shown: Iterable[tuple[int, int]] = ()) -> list[str]:
     """Give what can be found of the truth of an exercise; the spans shown may be known."""
-    found = []
+    take, found, patterns = exercise.take, [], kinds(exercise)
     for answer in exercise.answers:
-        given = _part(exercise.take, answer.marker, answer.span.frames)
-        found += [
-            f"a value of {answer.marker}"
-            for needle in values(answer.values, given)
-            if needle in heard
-        ]
-    pairs = {(a.span.start, a.span.stop) for a in exercise.answers} - set(shown)
-    found += [f"span {p.pattern!r}" for p in spans(pairs, exercise.take.rate) if p.search(heard)]
-    found += [f"kinds {p.pattern!r}" for p in kinds(exercise) if p.search(heard)]
-    return found
-
-
-def _part(take: Take, marker: str, frames: slice) -> FloatArray:
-    part: FloatArray = take.positions[frames, take.index(marker)]
-    return part
+        given = take.positions[answer.span.frames, take.index(answer.marker)]
+        needles = set(values(answer.values, given))
+        found += [f"a value of {answer.marker}" for needle in needles if needle in heard]
+    for start, stop in {(a.span.start, a.span.stop) for a in exercise.answers} - set(shown):
+        texts, plain = edges(start, stop, take.rate)
+        patterns += texts
+        found += [f"span {start}-{stop}" for needle in plain if needle in heard]
+    met = re.finditer("|".join(patterns).encode(), heard)
+    return [*found, *(match[0].decode() for match in met)]
