@@ -28,12 +28,15 @@ from markermend_app.serving.metrics import MeasuredStore, Metrics
 from markermend_app.serving.server import Serving, free_port, make
 from markermend_app.serving.session import visit
 from markermend_app.state.reach import Reach
+from markermend_app.state.turns import answer_first
 from markermend_app.state.workspace import Workspace, work_list
 
 LOG = logging.getLogger(__name__)
 LOG_LINE = "%(asctime)s %(levelname)s %(name)s: %(message)s"
 STARTS_WITHIN_S = 120.0
 AGAIN_AFTER_S = 1.0
+AHEAD = 1
+"""Findings that are compared while an operator looks at another: others wait for theirs."""
 
 
 @dataclass(frozen=True)
@@ -132,6 +135,7 @@ def check(lab: Lab) -> None:
 def serve_one(lab: Lab, index: int, ready: Callable[[], None]) -> None:
     """Serve in this process until its loop is stopped."""
     _log()
+    answer_first()
     reach, people, metrics = Reach(lab.folder), _people(lab), Metrics()
     with MeasuredStore(lab.store, metrics) as store:
         gate = Gate(people, lab.secret)
@@ -147,6 +151,7 @@ def serve_one(lab: Lab, index: int, ready: Callable[[], None]) -> None:
             ignore_residuals=lab.ignore_residuals,
             reach=reach,
             most_upload=lab.most_upload,
+            ahead=AHEAD,
         )
         who = None if people is None else people.person
 

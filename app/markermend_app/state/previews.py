@@ -11,6 +11,7 @@ from markermend.repairing.checks import Checks
 from markermend.repairing.compare import Row, concluded
 from markermend.repairing.trust import SLOW, Trust
 from markermend.review import Judgement
+from markermend_app.state.turns import TURNS
 
 AT_HAND = ("unstep", "rigid", "butterworth", "pchip", "linear", "leave")
 """Methods that take a few milliseconds; what they give is shown before anything is compared."""
@@ -99,22 +100,23 @@ def at_hand(
 def _computed(
     row: Preview, take: Take, judged: Judgement, masked: Sequence[tuple[str, Span]]
 ) -> Preview:
-    began = time.perf_counter()
-    try:
-        done = repair(
-            take,
-            judged.finding.marker,
-            judged.span,
-            row.name,
-            kind=judged.kind,
-            partner=judged.finding.partner,
-            masked=masked,
-        )
-    except CannotRepair as refusal:
-        return replace(row, reason=str(refusal), compared=True)
-    # Not a view of an array that would be kept with it.
-    done = replace(done, values=done.values.copy())
-    return replace(row, repair=done, seconds=time.perf_counter() - began)
+    with TURNS:
+        began = time.perf_counter()
+        try:
+            done = repair(
+                take,
+                judged.finding.marker,
+                judged.span,
+                row.name,
+                kind=judged.kind,
+                partner=judged.finding.partner,
+                masked=masked,
+            )
+        except CannotRepair as refusal:
+            return replace(row, reason=str(refusal), compared=True)
+        # Not a view of an array that would be kept with it.
+        done = replace(done, values=done.values.copy())
+        return replace(row, repair=done, seconds=time.perf_counter() - began)
 
 
 def compared(
