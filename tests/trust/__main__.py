@@ -40,17 +40,21 @@ def main() -> int:
     weights = {name: importlib.import_module(f"tests.trust.{name}").MINUTES for name in names}
     names.sort(key=weights.__getitem__, reverse=True)
     minutes = LONG_MINUTES if given.minutes is None else given.minutes
-    factor = _factor(list(weights.values()), given.processes, minutes)
+    side_by_side = max(1, given.processes)
+    factor = _factor(list(weights.values()), side_by_side, minutes)
 
     def run(name: str) -> list[Outcome]:
         seconds = float("inf") if given.short else 60.0 * weights[name] * factor
-        rows = _in_a_process(name, seconds, given)
+        if given.processes:
+            rows = _in_a_process(name, seconds, given)
+        else:
+            rows = list(_rows(name, Budget(given.short, seconds, given.seed)))
         for row in rows:
             print(_line(row), flush=True)
         return rows
 
     print(_line(None), flush=True)
-    with ThreadPoolExecutor(given.processes) as pool:
+    with ThreadPoolExecutor(side_by_side) as pool:
         rows = [row for some in pool.map(run, names) for row in some]
     print(f"{time.monotonic() - began:.0f} s in all, {given.processes} processes side by side.")
     tried, failed, lost = (sum(getattr(r, what) for r in rows) for what in _COUNTS)
@@ -72,7 +76,9 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--short", action="store_true", help="the version of the fast tests")
     parser.add_argument("--only", nargs="+", default=[], metavar="SUBJECT")
     parser.add_argument("--minutes", type=float, help="wall-clock minutes for all of it")
-    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument(
+        "--processes", type=int, default=2, help="subjects side by side; 0: all in this process"
+    )
     parser.add_argument("--seed", type=int, default=20)
     for hidden in ("--worker", "--json"):
         parser.add_argument(hidden, help=argparse.SUPPRESS)
@@ -116,11 +122,14 @@ def _in_a_process(name: str, seconds: float, given: argparse.Namespace) -> list[
     return [*rows, Outcome(name, 1, 1, 0, taken, fault)]
 
 
-def _work(name: str, budget: Budget, answer: Path) -> None:
+def _rows(name: str, budget: Budget) -> Iterator[Outcome]:
     given = importlib.import_module(f"tests.trust.{name}").run(budget)
-    rows: Iterator[Outcome] = iter((given,) if isinstance(given, Outcome) else given)
+    return iter((given,) if isinstance(given, Outcome) else given)
+
+
+def _work(name: str, budget: Budget, answer: Path) -> None:
     done: list[Outcome] = []
-    for row in rows:  # each at once: should a later one never end, this one is known
+    for row in _rows(name, budget):  # each at once: should a later one never end, this one is known
         done.append(row)
         draft = answer.with_suffix(".part")
         draft.write_text(json.dumps([asdict(one) for one in done]), encoding="utf-8")

@@ -26,7 +26,7 @@ def run(budget: Budget) -> Iterator[Outcome]:
 
 
 def _mutated(budget: Budget) -> Outcome:
-    inputs = budget.of(INPUTS, 6)
+    inputs = budget.of(INPUTS, 3)
     tally = Tally("mutated C3D files through ezc3d's child process", inputs)
     rng = random.Random(budget.seed)
     begun = [data for data in seeds("c3d") if len(data) > 1024]
