@@ -13,6 +13,9 @@ from markermend.registry import method
 from markermend.repairing.artefacts import recorded_around, second_differences, usual_curvature
 from markermend.repairing.problem import Outcome, Problem
 
+CALM = 2.0
+"""What is left at the ends is no more than usual if it is below so many usual curvatures."""
+
 
 @method(
     title="Subtract the step",
@@ -61,13 +64,15 @@ def unstep(
         )
     kinks = kinks[:, None]
     height = (kinks[use] * bends[use]).sum(axis=0) / power
-    doubt = usual_curvature(values, inside) / np.sqrt(power)
+    usual = usual_curvature(values, inside)
+    doubt = usual / np.sqrt(power)
     height = np.where(np.abs(height) > significance * doubt, height, 0.0)
     near = use | _near(inside, len(use), slack)
     near &= np.isfinite(bends[:, 0])
     left = np.linalg.norm(bends[near] - kinks[near] * height)
     whole = np.linalg.norm(bends[near])
-    if not height.any() or left > misfit * whole:
+    calm = CALM * np.sqrt(near.sum()) * np.linalg.norm(usual)
+    if not height.any() or left > max(misfit * whole, calm):
         raise CannotRepair(
             f"What {label} does at the edges of the span is no step; choose a method that fills "
             "the span anew."
