@@ -192,7 +192,7 @@ def _legend() -> str:
     classes = ["none", *(f"level{n}" for n in range(1, len(LEVELS_MM) + 2))]
     boxes = "".join(
         f'<span><svg width="14" height="12" aria-hidden="true"><rect class="{name}" width="14" '
-        f'height="12"/></svg>{word}</span>'
+        f'height="12"/></svg>{escape(word)}</span>'
         for name, word in zip(classes, words, strict=True)
     )
     return (

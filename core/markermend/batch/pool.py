@@ -5,8 +5,10 @@ own (`markermend.batch.hand`), or to Dask's workers, whose threads do the same t
 ends its process ends no worker, and the same code computes everywhere.
 """
 
+import logging
 import threading
 from collections.abc import Iterator, Sequence
+from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from typing import Any
 
@@ -83,17 +85,18 @@ def results(
 
 
 def _on_cluster(tasks: Sequence[Task], address: str, limit_s: float) -> Iterator[Result]:
-    with _client(address) as client:
+    with _silent("distributed"), _client(address) as client:
+        from distributed.scheduler import KilledWorker
         from joblib import Parallel, delayed, parallel_config
 
         try:
             with parallel_config("dask", client=client, wait_for_workers_timeout=_CONNECT_S):
                 pool = Parallel(n_jobs=-1, batch_size=1, return_as="generator_unordered")
                 yield from pool(delayed(work_apart)(task, limit_s) for task in tasks)
-        except (OSError, TimeoutError) as error:
+        except (OSError, TimeoutError, CancelledError, KilledWorker) as error:
             raise MarkerMendError(
-                f"The cluster at {address} was lost ({error}); start the same command again, and "
-                "it goes on where it was."
+                f"The cluster at {address} was lost ({type(error).__name__}); start the same "
+                "command again when it is there, and it goes on where it was."
             ) from None
 
 
@@ -121,3 +124,15 @@ def _client(address: str) -> Iterator[Any]:
         yield client
     finally:
         client.close()
+
+
+@contextmanager
+def _silent(name: str) -> Iterator[None]:
+    """Keep a library from logging: what is to be said of a cluster is said in one sentence."""
+    log = logging.getLogger(name)
+    level = log.level
+    log.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        log.setLevel(level)
