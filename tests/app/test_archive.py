@@ -31,9 +31,12 @@ HOSTILE = "<img src=x onerror=alert(1)>.c3d"
 def line(name: str, damage: float, marker: str = "A") -> Line:
     by = {marker: {"gap": [1, damage], "peak": [2, 0.0]}} if damage else {}
     summary = {
-        "duration_s": 10.0, "markers": list(dict.fromkeys(("A", "B", marker))), "n_findings": 3 if damage else 0,
-        "damage": damage, "by": by,
-    }  # fmt: skip
+        "duration_s": 10.0,
+        "markers": list(dict.fromkeys(("A", "B", marker))),
+        "n_findings": 3 if damage else 0,
+        "damage": damage,
+        "by": by,
+    }
     return Line(name, "done", "", summary)
 
 

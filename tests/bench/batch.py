@@ -119,7 +119,11 @@ def kill(archive: Path, places: Path, n_takes: int, seed: int) -> dict[str, Any]
     at, ended = [], []
     for _ in range(KILLS):
         run = Run(archive, places / "killed", 2)
-        time.sleep(rng.uniform(0.0, whole["wall_s"] / 4))
+        # A random moment of the work: so many takes later, and then anywhere within one.
+        enough = len(done) + rng.randint(0, max(1, 2 * (n_takes - 2) // KILLS))
+        while len(kept(run.store)) < enough and run.process.poll() is None:
+            time.sleep(0.02)
+        time.sleep(rng.uniform(0.0, 2 * whole["wall_s"] / n_takes))
         hands = psutil.Process(run.process.pid).children(recursive=True)
         run.process.send_signal(signal.SIGKILL)
         run.process.communicate()
