@@ -1,7 +1,7 @@
 // The clock of an exercise: minutes and seconds since it began, counted here and nowhere else.
 export function render({ model, el }) {
   const shown = document.createElement("div");
-  shown.className = "clock num";
+  shown.className = "stopwatch num";
   shown.setAttribute("role", "timer");
   shown.setAttribute("aria-label", "Time so far");
   el.append(shown);
