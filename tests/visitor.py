@@ -23,7 +23,7 @@ from urllib.parse import urlencode
 from tornado.httpclient import AsyncHTTPClient, HTTPRequest, HTTPResponse
 from tornado.websocket import WebSocketClientConnection, websocket_connect
 
-STARTS_S = 120.0
+STARTS_S = 400.0
 ANSWERS_S = 60.0
 
 

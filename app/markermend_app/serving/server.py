@@ -29,6 +29,8 @@ from markermend_app.serving.metrics import Metrics
 
 UNUSED = (AutoloadJsHandler, MetadataHandler, ComponentResourceHandler)
 """What Panel would serve and no page here asks for: a page for other sites, and any module."""
+FORGETS_MS = 5_000
+"""How often the server looks for pages that are gone; they are kept for 15 s, to be found again."""
 MOST_MESSAGE_BYTES = 2_000_000
 """Of the websocket: a dropped file comes in parts of half that."""
 MOST_BODY_BYTES = 64_000
@@ -113,6 +115,7 @@ def make(serving: Serving, page: Callable[[], Any], **options: Any) -> Any:
         include_headers=[],
         include_cookies=[],
         xsrf_cookies=True,
+        check_unused_sessions_milliseconds=FORGETS_MS,
         transforms=[GuardedByTls if serving.doors.https else Guarded],
         websocket_max_message_size=MOST_MESSAGE_BYTES,
         http_server_kwargs={
