@@ -66,6 +66,7 @@ class Practising(Desk):
             return
         opened, practice = result
         trainee = practice.trainee
+        self._forget()  # at once: what was repaired on another take is none of the next one's
         with param.parameterized.batch_call_watchers(self):
             self.param.update(
                 practice=practice,
