@@ -4,6 +4,7 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from tqdm import tqdm
@@ -17,6 +18,7 @@ from markermend.io.disk import write_whole
 from markermend.io.jsontext import json_text
 from markermend.model import KINDS
 from markermend_app.cli.common import kinds, lacking, positive, warn, whole
+from markermend_app.cli.recipe import recipe_arguments, recipe_asked_for
 from markermend_app.cli.terminal import put, say
 
 PAGE = "summary.html"
@@ -43,7 +45,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--repair",
         metavar="POLICY",
-        help="repair too: kinds, e.g. gap,peak, or a policy file.json (default: nothing)",
+        help="repair too: kinds, e.g. gap,peak, or a policy file.json, or with --recipe the word "
+        "recipe (default: nothing)",
     )
     parser.add_argument(
         "--most-mm",
@@ -57,11 +60,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help=f"where findings, repaired takes, summary.json and {PAGE} go",
     )
-    parser.add_argument(
-        "--store",
-        metavar="PATH",
-        help="where results are kept (default: MARKERMEND_STORE, else your data folder)",
-    )
+    recipe_arguments(parser, "where results are kept")
     parser.add_argument(
         "--detector",
         default=detection.DEFAULT,
@@ -86,14 +85,20 @@ def run(options: argparse.Namespace) -> int:
     if options.dask is not None and options.jobs is not None:
         raise BadInput("--jobs is for this machine, --dask for a cluster; leave one of them out.")
     wanted = KINDS if options.kinds is None else kinds(options.kinds)
-    settings = Settings(
-        detector=options.detector,
-        kinds=tuple(kind for kind in KINDS if kind in wanted),
+    recipe = recipe_asked_for(options)
+    by_recipe = recipe is not None and options.repair == "recipe"
+    if by_recipe and options.most_mm is not None:
+        raise BadInput("The recipe has limits of its own; leave out --most-mm, or give a policy.")
+    settings = replace(
+        Settings(options.detector) if recipe is None else recipe.settings(repair=by_recipe),
         units=options.units,
         rate=options.rate,
         ignore_residuals=options.ignore_residuals,
-        policy=None if options.repair is None else read_policy(options.repair, options.most_mm),
     )
+    if recipe is None or options.kinds is not None:
+        settings = replace(settings, kinds=tuple(kind for kind in KINDS if kind in wanted))
+    if options.repair is not None and not by_recipe:
+        settings = replace(settings, policy=read_policy(options.repair, options.most_mm))
     from markermend.batch.overview import overview
     from markermend.batch.run import run as run_batch
     from markermend.review.store import Store

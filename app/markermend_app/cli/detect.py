@@ -6,6 +6,7 @@ from dataclasses import asdict
 from markermend import detection
 from markermend.detection.record import detection_record
 from markermend_app.cli.common import json_text, kinds, read, take_argument
+from markermend_app.cli.recipe import recipe_arguments, recipe_asked_for
 from markermend_app.cli.terminal import plain, put, say
 
 
@@ -25,14 +26,19 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="also how small a slow change may be and still be found, marker by marker",
     )
     parser.add_argument("--kinds", metavar="A,B", help="only these kinds, e.g. gap,peak")
+    recipe_arguments(parser)
 
 
 def run(options: argparse.Namespace) -> None:
     """Print the findings, as a table or as JSON."""
     wanted = kinds(options.kinds) if options.kinds is not None else None
     detection.DETECTORS.get(options.detector)  # an unknown name is said before a long read
+    recipe = recipe_asked_for(options)
     take = read(options.take, options)
-    found = detection.detect(take, options.detector, kinds=wanted)
+    if recipe is None:
+        found = detection.detect(take, options.detector, kinds=wanted)
+    else:
+        found = tuple(f for f in recipe.detect(take) if wanted is None or f.kind in wanted)
     reach = detection.smallest_slow_changes(take) if options.reach else ()
     if options.json:
         record = detection_record(take, options.take.name, found)

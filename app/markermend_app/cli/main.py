@@ -29,6 +29,7 @@ COMMANDS = {
     "account": "let somebody in at a lab's server",
     "train": "practise on a take whose truth is known, and be graded",
     "agree": "compare what several operators decided on one take",
+    "recipe": "save, list, show or delete how a lab looks at takes",
     "store": "check, back up or restore the store of reviews",
 }
 

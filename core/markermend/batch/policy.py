@@ -139,9 +139,19 @@ def _from_file(path: Path) -> Policy:
     record.one_of("schema", (SCHEMA,))
     if record.whole("version", 1, 1_000_000) != 1:
         raise BadInput(f"{where} was written by a newer version; update markermend.")
-    rules = record.value("repair")
+    return policy_from_json(record.value("repair"), where)
+
+
+def policy_from_json(rules: Any, where: str) -> Policy:
+    """Read the rules of a policy: what stands under ``repair`` in its file.
+
+    Raises
+    ------
+    BadInput
+        If they are no rules, or name an unknown kind, method or parameter.
+    """
     if not isinstance(rules, dict) or not rules:
-        raise record.wrong("repair", "an object with a rule by kind", rules)
+        raise Record({}, where).wrong("repair", "an object with a rule by kind", rules)
     return Policy(
         {_kind(kind): _rule(Record(rule, f"{where}: {kind}")) for kind, rule in rules.items()}
     )

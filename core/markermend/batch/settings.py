@@ -2,7 +2,8 @@
 
 import hashlib
 import json
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 from markermend import __version__, detection
@@ -21,6 +22,9 @@ class Settings:
         Name of the detector.
     kinds
         The kinds that are looked for.
+    parameters, sensitivity
+        What of the detector is set otherwise than by default, and factors by kind as in
+        `markermend.detection.detect`.
     units, rate, ignore_residuals
         As in `markermend.read`: what files lack.
     policy
@@ -33,12 +37,15 @@ class Settings:
     rate: float | None = None
     ignore_residuals: bool = False
     policy: Policy | None = None
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    sensitivity: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         DETECTORS.get(self.detector)  # an unknown name is said before any take is read
 
     def to_json(self) -> dict[str, Any]:
         """Give them, with the version of the program, as they are kept."""
+        more = {"parameters": dict(self.parameters), "sensitivity": dict(self.sensitivity)}
         return {
             "program": __version__,
             "detector": self.detector,
@@ -47,6 +54,7 @@ class Settings:
             "rate": self.rate,
             "ignore_residuals": self.ignore_residuals,
             "policy": None if self.policy is None else self.policy.to_json(),
+            **{name: said for name, said in more.items() if said},
         }
 
     @property

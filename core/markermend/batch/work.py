@@ -105,7 +105,13 @@ def _work(task: Task) -> Result:
         ignore_residuals=asked.ignore_residuals,
     )
     wanted = {*asked.kinds, *(asked.policy.kinds if asked.policy else ())}
-    found = detection.detect(take, asked.detector, kinds=[k for k in KINDS if k in wanted])
+    found = detection.detect(
+        take,
+        asked.detector,
+        kinds=[k for k in KINDS if k in wanted],
+        sensitivity=asked.sensitivity,
+        **asked.parameters,
+    )
     listed = [f for f in found if f.kind in asked.kinds]
     repaired = None
     if asked.policy is not None and task.target is not None:

@@ -11,7 +11,7 @@ import secrets
 import sqlite3
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
@@ -33,49 +33,21 @@ from markermend.review.database import (
     store_file,
     writing,
 )
+from markermend.review.entries import Action, Entry, ReviewRecord, TakeRecord
 from markermend.review.schema import claims, journal, reviews, takes
 
-Action = Literal["do", "undo", "redo"]
+__all__ = [
+    "Action",
+    "Entry",
+    "ReviewRecord",
+    "Store",
+    "TakeRecord",
+    "default_operator",
+    "new_token",
+    "storable",
+]
+
 T = TypeVar("T")
-
-
-@dataclass(frozen=True)
-class TakeRecord:
-    """A take that the store has seen; ``given_units`` and ``given_rate`` are what it lacked."""
-
-    sha256: str
-    name: str
-    path: Path | None
-    n_frames: int
-    rate: float
-    given_units: str | None
-    given_rate: float | None
-    first_seen: datetime
-    last_seen: datetime
-
-
-@dataclass(frozen=True)
-class ReviewRecord:
-    """One operator's review of one take, without its journal."""
-
-    id: int
-    take: str
-    operator: str
-    purpose: str
-    status: str
-    created: datetime
-
-
-@dataclass(frozen=True)
-class Entry:
-    """A line of a journal: ``command`` belongs to ``"do"`` alone, ``token`` to the call."""
-
-    seq: int
-    action: Action
-    command: Mapping[str, Any] | None
-    operator: str
-    at: datetime
-    token: str | None = None
 
 
 def new_token() -> str:
@@ -405,6 +377,11 @@ class Store:
             done = connection.execute(insert(table).values(**values))
             assert done.inserted_primary_key is not None
             return int(done.inserted_primary_key[0])
+
+    def add_line(self, table: Table, **values: Any) -> None:
+        """Insert one row into a table whose key is among the values."""
+        with self.transaction() as connection:
+            connection.execute(insert(table).values(**values))
 
     def _rows(self, query: Any) -> list[Row[Any]]:
         def read() -> list[Row[Any]]:
