@@ -27,7 +27,7 @@ def run(budget: Budget) -> Iterator[Outcome]:
     """Yield a row for each parser; in the short version for two of them."""
     targets = ("qtm_tsv", "decisions") if budget.short else TARGETS
     for i, name in enumerate(targets):
-        yield fuzz(name, budget.of(INPUTS, 400), budget.share(1 / (len(targets) - i)))
+        yield fuzz(name, budget.of(INPUTS, 300), budget.share(1 / (len(targets) - i)))
 
 
 def fuzz(name: str, runs: int, budget: Budget) -> Outcome:

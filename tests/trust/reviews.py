@@ -60,7 +60,7 @@ FOUND = tuple(
 def run(budget: Budget) -> Iterator[Outcome]:
     """Yield a row for the state machine and one for each database that is killed."""
     yield _machine(budget.share(0.35))
-    yield _killed("SQLite", budget.share(0.6), budget.of(100, 2))
+    yield _killed("SQLite", budget.share(0.6), budget.of(100, 1))
 
 
 def _commands(review: Review) -> st.SearchStrategy[Command]:
