@@ -149,7 +149,7 @@ def fill_at_once(positions: FloatArray, rate: float) -> FloatArray:
     return _fill_at_once(np.ascontiguousarray(positions).tobytes(), positions.shape, rate)
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=8)
 def _fill_at_once(content: bytes, shape: tuple[int, ...], rate: float) -> FloatArray:
     positions = np.frombuffer(content).reshape(shape)
     complete = np.flatnonzero(np.isfinite(positions[:, :, 0]).all(axis=0))

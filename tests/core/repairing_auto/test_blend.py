@@ -118,9 +118,21 @@ def test_a_blackout_at_the_end_is_refused(walk):
         repair(walk.with_positions(gone), "THIGH1", (1150, 1200), "auto")
 
 
-def test_no_band_where_no_pseudo_gap_of_the_length_fits(walk):
+def test_a_short_take_is_judged_by_gaps_of_other_markers(walk):
     short = Take(walk.positions[440:560], walk.rate, walk.labels)
     done = repair(short, "THIGH2", (40, 80), "auto")
+    off = np.linalg.norm(done.values - walk.positions[480:520, walk.index("THIGH2")], axis=1)
+    assert (off <= done.band).mean() > 0.8
+    assert done.expected_mm < done.band.max() < 20 * off.max()
+    assert "11 gaps of this length on other markers" in done.note
+
+
+def test_no_band_where_no_gap_of_the_length_can_be_hidden(walk):
+    short = Take(walk.positions[440:500], walk.rate, walk.labels)
+    done = repair(short, "THIGH2", (2, 58), "auto")
+    assert done.band is not None
+    few = Take(walk.positions[440:500, :5], walk.rate, walk.labels[:5])
+    done = repair(few, "TRUNK2", (2, 58), "auto")
     assert done.band is None
     assert done.expected_mm is None
     assert "filled at once" in done.note

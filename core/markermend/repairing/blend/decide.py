@@ -74,16 +74,22 @@ def _as_gap(around: Scene, found: Blend | None) -> Outcome:
         return Outcome(found.values, found.band(), found.expected_mm, _note(around, found))
     if _blacked_out(around):
         return Outcome(between_edges(around), note="Its own motion carries it across the gap.")
-    at_once = short(cut)
+    at_once, tried = short(cut)
     seen = int(np.isfinite(cut.own[:, 0]).sum())
     note = f"Only {seen} frames of it are seen: all gaps near here are filled at once"
     if found is None:
-        return Outcome(at_once, note=f"{note}.")
+        if tried is None:
+            return Outcome(at_once, note=f"{note}.")
+        more = f"tried on {len(tried.likely)} gaps of this length on other markers"
+        return Outcome(at_once, tried.band(), tried.expected_mm, f"{note}, {more}.")
     weight = share + (1 - share) * TESTED_SHARE
+    band, expected = found.band(), found.expected_mm
+    if band is None and tried is not None:
+        band, expected = tried.band(), tried.expected_mm
     return Outcome(
         weight * found.values + (1 - weight) * at_once,
-        found.band(),
-        found.expected_mm,
+        band,
+        expected,
         f"{note} ({1 - weight:.0%}), beside {_note(around, found)}",
     )
 
