@@ -15,6 +15,7 @@ from markermend.model import BoolArray, FloatArray
 
 # Frames at 100 Hz; `pace` is the rate over 100 Hz.
 LENGTHS = (33, 41, 51, 63, 79)
+_TOO_SHORT = 25  # what a triangle of this length explains better is no slow change
 _BOXES = (12, 20, 30, 45, 65)
 _AROUND = 50  # within these nothing much may be left
 _MOST_BOX = 1.0  # a box of any length that scores higher is no triangle
@@ -39,6 +40,8 @@ class Triangles:
         does not fit.
     q
         Length -> (n_series,): energies.
+    short
+        (n_markers, n_frames): score of a triangle that is too short, centred on each frame.
     box
         Length -> (n_markers, n): scores of boxes that start at each frame.
     """
@@ -47,6 +50,7 @@ class Triangles:
     length: NDArray[np.intp]
     N: Mapping[int, FloatArray]
     q: Mapping[int, FloatArray]
+    short: FloatArray
     box: Mapping[int, FloatArray]
 
 
@@ -110,13 +114,20 @@ def scan(whitened: Whitened, pace: float) -> Triangles:
         better = z > best[:, part]
         best[:, part] = np.where(better, z, best[:, part])
         length[:, part] = np.where(better, L, length[:, part])
+    L = max(3, 2 * round(_TOO_SHORT * pace / 2) + 1)
+    short = np.zeros(best.shape)
+    if n >= L:
+        z = templates.score(
+            templates.triangles(total, L), whitened.energy(templates.triangle_template(L))
+        )
+        short[:, L // 2 : L // 2 + z.shape[1]] = z
     wide = [max(2, round(L * pace)) for L in _BOXES]
     box = {
         L: templates.score(templates.boxes(total, L), whitened.energy(np.ones(L)))
         for L in wide
         if n > L
     }
-    return Triangles(best, length, N, q, box)
+    return Triangles(best, length, N, q, short, box)
 
 
 def held_back(score: FloatArray, scale: FloatArray, valid: BoolArray, pace: float) -> FloatArray:
@@ -138,11 +149,12 @@ def held_back(score: FloatArray, scale: FloatArray, valid: BoolArray, pace: floa
 def needed(whitened: Whitened, scale: FloatArray, threshold: float, pace: float) -> FloatArray:
     """(n_markers, n_frames) mm: amplitude of a triangle of usual length that would just be found.
 
-    Its direction is taken as unknown: the energies of the three axes are averaged.
+    Its direction is taken as unknown: the energies of the three axes are averaged. What is usually
+    left around a triangle, one scale, counts against it and has to be passed as well.
     """
     shape = templates.triangle_template(lengths(pace)[len(lengths(pace)) // 2])
     energy = whitened.energy(shape).reshape(-1, 3).mean(1)
-    amplitude: FloatArray = threshold * scale / np.sqrt(energy)[:, None]
+    amplitude: FloatArray = (threshold + 1.0) * scale / np.sqrt(energy)[:, None]
     return amplitude
 
 
@@ -289,6 +301,8 @@ def _taken_out(
     for L, z in triangles.box.items():
         if z[marker, max(0, start - L // 2) : start + length].max(initial=0.0) > _MOST_BOX * score:
             left = 1.0
+    if triangles.short[marker, start : start + length].max() > score:
+        left = 1.0
     return Hill(marker, start, length, score, u * max(0.0, 1.0 - left), left, size)
 
 

@@ -40,7 +40,7 @@ class Settings:
     peak: float = 5.0
     noise: float = 1.0
     step: float = 4.5
-    slow: float = 3.0
+    slow: float = 2.0
     least_slow: float = 1.5
     floor: float = 0.15
 
