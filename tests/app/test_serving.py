@@ -24,7 +24,7 @@ from .conftest import made_take
 
 PASSWORD = "correct horse battery"
 TOKEN = "a-token-for-prometheus"
-PEOPLE = {"anna": "reviewer", "bert": "operator"}
+PEOPLE = {"anna": "reviewer", "bert": "operator", "carla": "teacher"}
 GUARD = """
 import os, socket
 
@@ -136,7 +136,15 @@ async def refused(opening: Coroutine[Any, Any, Any]) -> int:
 @trying
 async def test_nobody_without_a_login(lab: Lab):
     stranger = Visitor(lab.url)
-    for path in ("", "?x=1", "ws", "metrics", "metadata", "autoload.js?bokeh-autoload-element=1"):
+    for path in (
+        "",
+        "?x=1",
+        "ws",
+        "group",
+        "metrics",
+        "metadata",
+        "autoload.js?bokeh-autoload-element=1",
+    ):
         answer = await stranger.get(path)
         assert answer.code in (302, 400, 401, 403, 404), (path, answer.code)
         assert b"token" not in answer.body
@@ -332,6 +340,15 @@ async def test_health_and_figures(lab: Lab):
 
 
 @trying
+async def test_a_group_is_shown_to_its_teacher(lab: Lab):
+    assert (await Visitor(lab.url).get("group")).code == 302
+    assert (await (await lab.visitor("bert")).get("group")).code == 403
+    answer = await (await lab.visitor("carla")).get("group")
+    assert answer.code == 200
+    assert b"Nobody has finished an exercise yet" in answer.body
+
+
+@trying
 async def test_every_answer_tells_the_browser_to_be_strict(lab: Lab):
     anna, stranger = await lab.visitor("anna"), Visitor(lab.url)
     answers = [await anna.get(), await anna.get("metrics"), await stranger.get("login")]
@@ -381,7 +398,7 @@ def test_two_processes_share_the_people_and_end_with_their_parent(tmp_path: Path
 
 async def _led(lab: Lab, port: int) -> None:
     homes = set()
-    for name in PEOPLE:
+    for name in ("anna", "bert"):
         one = Visitor(f"http://localhost:{port}")
         assert (await one.log_in(name, PASSWORD)).code == 302
         answer = await one.get()

@@ -4,6 +4,7 @@ import asyncio
 import hmac
 import json
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from panel.io.server import DocHandler, WSHandler
@@ -13,12 +14,14 @@ from tornado.web import HTTPError, RequestHandler
 
 from markermend.errors import StoreError
 from markermend.review.store import Store
+from markermend.train import archive, group_table
 from markermend_app.serving.doors import Doors
 from markermend_app.serving.login import Careful, Gate
 from markermend_app.serving.metrics import Metrics
 
 OURS_ALONE = ("bokeh-token", "bokeh-session-id")
 """Arguments with which a visitor would choose the session; this server gives out sessions."""
+GROUP = Path(__file__).with_name("group.html")
 STORE_ANSWERS_WITHIN_S = 5.0
 Elsewhere = Callable[[str, str], str | None]
 """Name of a person and of the host as it was asked for -> address of the process that serves that
@@ -108,6 +111,25 @@ async def _reached(store: Store) -> bool:
         )
     except TimeoutError:
         return False
+
+
+class Group(Careful):
+    """How the trainees of a group stand, for their teacher."""
+
+    async def get(self) -> None:
+        """Show the table."""
+        gate: Gate = self.settings["gate"]
+        person = gate.person(self.request)
+        if not gate.open and person is None:
+            self.redirect("./login")
+            return
+        if person is not None and not person.may("groups"):
+            self.set_status(403)
+            self.show(said=f"This is for teachers, and {person.name} is {person.role} here.")
+            return
+        store: Store = self.settings["store"]
+        found = await IOLoop.current().run_in_executor(None, archive.results, store, None)
+        self.render(str(GROUP), table=group_table(found))
 
 
 class Counts(RequestHandler):

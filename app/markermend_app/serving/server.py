@@ -22,7 +22,15 @@ from tornado.web import ErrorHandler
 from markermend.errors import BadInput
 from markermend.review.store import Store
 from markermend_app.serving.doors import Doors
-from markermend_app.serving.handlers import Counts, Elsewhere, Foreign, Health, Page, Socket
+from markermend_app.serving.handlers import (
+    Counts,
+    Elsewhere,
+    Foreign,
+    Group,
+    Health,
+    Page,
+    Socket,
+)
 from markermend_app.serving.headers import Guarded, GuardedByTls
 from markermend_app.serving.login import Basic, Bound, Gate, Oauth
 from markermend_app.serving.metrics import Metrics
@@ -122,7 +130,7 @@ def make(serving: Serving, page: Callable[[], Any], **options: Any) -> Any:
             "max_body_size": MOST_BODY_BYTES,
             "max_buffer_size": 2 * MOST_MESSAGE_BYTES,
         },
-        extra_patterns=[("/health", Health), ("/metrics", Counts)],
+        extra_patterns=[("/health", Health), ("/metrics", Counts), ("/group", Group)],
         log_function=serving.metrics.log,
         **options,
         **settings,
