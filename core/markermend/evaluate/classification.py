@@ -22,6 +22,7 @@ from markermend.evaluate.scores import (
     overall_f,
     overall_mcc,
     rates,
+    standard_errors,
 )
 from markermend.model import FloatArray, Take
 
@@ -77,6 +78,8 @@ class Cell:
         Over all classes; clear samples dominate both.
     spans
         Figures per kind.
+    errors
+        Standard errors of ``tpr`` and ``fpr`` of each class over the simulations, in per cent.
     """
 
     detector: str
@@ -88,6 +91,7 @@ class Cell:
     f: float | None
     mcc: float | None
     spans: Mapping[str, SpanFigures]
+    errors: Mapping[str, tuple[float | None, float | None]] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
         """Give it as a record."""
@@ -98,6 +102,7 @@ class Cell:
             "simulations": self.simulations,
             "matrix": self.matrix.tolist(),
             "classes": {name: asdict(rate) for name, rate in self.classes.items()},
+            "errors": {name: {"tpr": tpr, "fpr": fpr} for name, (tpr, fpr) in self.errors.items()},
             "f": self.f,
             "mcc": self.mcc,
             "spans": {
@@ -135,15 +140,16 @@ class Classification:
     def table(self) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
         """Give the columns and rows of a table for the terminal: one row per class."""
         columns = (
-            "detector", "mm", "share", "class", "TPR %", "FPR %", "F", "found %", "false/min",
-            "unmodified/min", "of these jump",
+            "detector", "mm", "share", "class", "TPR %", "+-", "FPR %", "+-", "F", "found %",
+            "false/min", "unmodified/min", "of these jump",
         )  # fmt: skip
         rows = []
         for cell in self.cells:
             for kind in KINDS:
                 rate, spans = cell.classes[kind], cell.spans[kind]
-                numbers = (rate.tpr, rate.fpr, rate.f, spans.found_percent)
-                digits = (1, 1, 3, 1)
+                off = cell.errors.get(kind, (None, None))
+                numbers = (rate.tpr, off[0], rate.fpr, off[1], rate.f, spans.found_percent)
+                digits = (1, 1, 1, 1, 3, 1)
                 rows.append(
                     (
                         cell.detector,
@@ -289,4 +295,8 @@ def _cell(
         f=overall_f(matrix),
         mcc=overall_mcc(matrix),
         spans=spans,
+        errors={
+            name: standard_errors([counts for counts, _ in results], i)
+            for i, name in enumerate(CLASSES)
+        },
     )

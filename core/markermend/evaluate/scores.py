@@ -108,6 +108,25 @@ def _ratio(above: float, below: float) -> float | None:
     return above / below if below > 0.0 else None
 
 
+def standard_errors(
+    matrices: Sequence[NDArray[np.int64]], index: int
+) -> tuple[float | None, float | None]:
+    """Give the standard errors of ``tpr`` and ``fpr`` of one class, in per cent.
+
+    By leaving out one simulation at a time (the jackknife), since samples of one artefact are not
+    independent; None for a single simulation, or where a measure is 0 / 0 without one of them.
+    """
+    n = len(matrices)
+    whole = np.sum(matrices, axis=0)
+    left = [rates(whole - one, index) for one in matrices] if n > 1 else []
+    errors: list[float | None] = []
+    for values in ([r.tpr for r in left], [r.fpr for r in left]):
+        known = [value for value in values if value is not None]
+        complete = n > 1 and len(known) == n
+        errors.append(float(np.std(known) * np.sqrt(n - 1)) if complete else None)
+    return errors[0], errors[1]
+
+
 def overall_f(matrix: FloatArray | NDArray[np.int64]) -> float | None:
     """Give the micro-averaged F over all classes, which clear samples dominate: the accuracy."""
     matrix = np.asarray(matrix, np.float64)

@@ -14,6 +14,7 @@ from markermend.evaluate.scores import (
     overall_f,
     overall_mcc,
     rates,
+    standard_errors,
 )
 from markermend.model import Finding, Span, Take
 
@@ -99,3 +100,13 @@ def test_one_finding_finds_one_artefact():
     found = [finding("a", 10, 20, "step"), finding("a", 11, 20, "step")]
     assert match(truths, found)["step"].found == 1
     assert match(truths, found[:1])["step"].found == 1
+
+
+def test_standard_errors_are_those_of_the_mean_where_simulations_weigh_the_same():
+    shares = np.array([7, 9, 4, 8, 10])
+    matrices = [np.array([[90, 0], [10 - k, k]]) for k in shares]
+    tpr, fpr = standard_errors(matrices, 1)
+    assert tpr == pytest.approx(10.0 * shares.std(ddof=1) / np.sqrt(5))
+    assert fpr == pytest.approx(0.0)
+    assert standard_errors(matrices[:1], 1) == (None, None)
+    assert standard_errors([np.array([[90, 0], [10, 0]])] * 3, 1)[1] is None
