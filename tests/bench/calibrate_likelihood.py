@@ -5,7 +5,8 @@
 TAKE is anything that ``markermend.read`` reads, or a ``.npy`` of positions in mm at 100 Hz. A
 finding is real where an artefact of its kind was put in at its place; one that the detector also
 finds at the same place in the take as given is left out, since it may be real too. Prints the
-curves, or with ``--check`` the calibration error of the stored ones.
+curves, or with ``--check`` the calibration error of the stored ones, and in both cases the
+reliability of all kinds together in ten bins.
 """
 
 import argparse
@@ -78,6 +79,16 @@ def error(predicted: np.ndarray, real: np.ndarray, bins: int = 10) -> float:
     )
 
 
+def reliability(predicted: np.ndarray, real: np.ndarray, bins: int = 10) -> list[str]:
+    """Rows of a table: bin, number of findings, mean score, share that was real."""
+    place = np.minimum((predicted * bins).astype(int), bins - 1)
+    return [
+        f"| {i / bins:.1f} to {(i + 1) / bins:.1f} | {(place == i).sum()} | "
+        f"{predicted[place == i].mean():.2f} | {real[place == i].mean():.2f} |"
+        for i in np.unique(place)
+    ]
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("takes", nargs="+", type=Path)
@@ -106,9 +117,10 @@ def main() -> None:
             f'"{kind}": ({a:.2f}, {b:.2f}),  # {len(real)} findings, {real.mean():.0%} real, '
             f"calibration error {error(p, real):.3f}"
         )
-    print(
-        f"all: calibration error {error(np.concatenate(every_p), np.concatenate(every_real)):.3f}"
-    )
+    p, real = np.concatenate(every_p), np.concatenate(every_real)
+    print(f"all: calibration error {error(p, real):.3f}")
+    print("| score | findings | mean score | share real |\n|---|---|---|---|")
+    print("\n".join(reliability(p, real)))
 
 
 if __name__ == "__main__":
