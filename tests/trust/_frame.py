@@ -95,7 +95,7 @@ class Tally:
         notes = [note, *self.remarks] if note else list(self.remarks)
         if self.planned is not None and self.tried < self.planned:
             notes.append(f"time was over before the {self.planned} planned")
-        if self.tried == 0:
+        elif self.tried == 0:  # and nothing says why: it is no proof of anything
             self.case("nothing was tried")
         notes += [f"FAULT {fault}" for fault in self.faults[:3]]
         seconds = time.monotonic() - self._began

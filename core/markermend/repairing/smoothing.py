@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.ndimage import median_filter, uniform_filter1d
+from scipy.ndimage import correlate1d, median_filter
 
 from markermend.model import FloatArray, runs
 
@@ -48,7 +48,8 @@ def smooth_runs(values: FloatArray, width: int) -> FloatArray:
         smooth[run.frames] = _shrinking(
             part,
             half,
-            lambda x: uniform_filter1d(x, width, axis=0, mode="nearest"),
+            # Not a running sum: its rounding would drown what is many powers of ten smaller.
+            lambda x: correlate1d(x, np.full(width, 1.0 / width), axis=0, mode="nearest"),
             lambda x: x.mean(axis=0),
         )
     return smooth

@@ -125,3 +125,12 @@ def test_the_errors_are_those_of_the_programs_re_implemented(name, shared):
     n, ours, theirs = against(errors, peers)
     assert n == 20
     assert ours == pytest.approx(theirs, rel=0.12)
+
+
+def test_smoothing_keeps_what_is_many_powers_of_ten_smaller():
+    """Weights of models are densities: some hundred powers of ten lie between two frames."""
+    values = np.ones((60, 1))
+    values[20:] = 1e-200
+    smooth = smooth_runs(values, 7)
+    np.testing.assert_allclose(smooth[30:], 1e-200, rtol=1e-12)
+    assert (smooth > 0).all()
