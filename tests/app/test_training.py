@@ -257,6 +257,8 @@ def test_a_second_review_sees_nothing_of_the_first(
     perform(desk, "finish")
     settle(desk, ticks)
     assert (desk.dialog, desk.second) == ("agreement", ())
+    again, _ = second(make, take_path)
+    assert again.second == ()
 
 
 def test_the_first_reviewer_may_ask_for_a_second(make: Make, take_path: Path) -> None:

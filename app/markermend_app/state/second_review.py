@@ -80,6 +80,8 @@ class Comparing(Practising):
 
     def _hide_first(self) -> None:
         assert self.opened is not None
+        if self.session is not None and self.session.record.status == "finished":
+            return  # the page was loaded again: there is nothing to hide any more
         first = others(self.workspace.store, self.opened.take, self.person.name)
         self.second = tuple(record.operator for record in first)
         if not first:
