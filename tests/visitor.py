@@ -112,9 +112,13 @@ class Visitor:
 
     async def get(self, path: str = "", **given: Any) -> HTTPResponse:
         """Ask for something; every status is an answer."""
+        return await self.get_from(self.url + path, **given)
+
+    async def get_from(self, address: str, **given: Any) -> HTTPResponse:
+        """Ask for something at an address."""
         headers = {**self._cookie_header(), **given.pop("headers", {})}
         request = HTTPRequest(
-            self.url + path, headers=headers, follow_redirects=False, request_timeout=120, **given
+            address, headers=headers, follow_redirects=False, request_timeout=120, **given
         )
         answer = await AsyncHTTPClient().fetch(request, raise_error=False)
         for line in answer.headers.get_list("Set-Cookie"):
