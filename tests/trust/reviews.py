@@ -60,7 +60,11 @@ FOUND = tuple(
 def run(budget: Budget) -> Iterator[Outcome]:
     """Yield a row for the state machine and one for each database that is killed."""
     yield _machine(budget.share(0.35))
-    yield _killed("SQLite", budget.share(0.6), budget.of(100, 1))
+    with tempfile.TemporaryDirectory() as folder:
+        where = str(Path(folder) / "reviews.sqlite")
+        yield _killed("SQLite", where, budget.share(0.5), budget.of(100, 1))
+    if not budget.short:
+        yield _on_a_server(budget)
 
 
 def _commands(review: Review) -> st.SearchStrategy[Command]:
@@ -272,30 +276,47 @@ def _working(
         child.communicate()
 
 
-def _killed(database: str, budget: Budget, kills: int) -> Outcome:
+def _on_a_server(budget: Budget) -> Outcome:
+    """Do the same on a PostgreSQL server of our own, where there is one."""
+    with subprocess.Popen(
+        [sys.executable, ROOT / "tests" / "postgres.py"],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True,
+    ) as server:  # fmt: skip
+        assert server.stdin is not None
+        assert server.stdout is not None
+        try:
+            said = json.loads(server.stdout.readline())
+            if "why" in said:
+                subject = "kill -9 at random moments under load (PostgreSQL)"
+                return Outcome(subject, 0, note=f"not tried: {said['why']}")
+            return _killed("PostgreSQL", said["address"], budget, 100)
+        finally:
+            server.stdin.close()
+            server.wait(timeout=60)
+
+
+def _killed(database: str, where: str, budget: Budget, kills: int) -> Outcome:
     """Kill a process that decides, at any moment, while another works on the same store."""
     tally = Tally(f"kill -9 at random moments under load ({database})", kills)
     rng = np.random.default_rng(budget.seed)
     acknowledged = 0
-    with tempfile.TemporaryDirectory() as folder:
-        where = str(Path(folder) / "reviews.sqlite")
-        Store(where).close()
-        with _working(where, "bo", 0, subprocess.DEVNULL) as other:
-            for i in range(kills):
-                if budget.spent:
-                    break
-                with _working(where, "anna", i + 1) as child:
-                    assert child.stdout is not None
-                    child.stdout.readline()
-                    time.sleep(float(rng.uniform(0.0, 0.3)))
-                    child.kill()
-                    said = [json.loads(line) for line in child.stdout if line.endswith("\n")]
-                acknowledged += len(said)
-                fault = _missing(where, said)
-                tally.case(fault, lost=bool(fault))
-                if other.poll() is not None:
-                    tally.case("the process that was not killed has ended")
-                    break
+    Store(where).close()
+    with _working(where, "bo", 0, subprocess.DEVNULL) as other:
+        for i in range(kills):
+            if budget.spent:
+                break
+            with _working(where, "anna", i + 1) as child:
+                assert child.stdout is not None
+                child.stdout.readline()
+                time.sleep(float(rng.uniform(0.0, 0.3)))
+                child.kill()
+                said = [json.loads(line) for line in child.stdout if line.endswith("\n")]
+            acknowledged += len(said)
+            fault = _missing(where, said)
+            tally.case(fault, lost=bool(fault))
+            if other.poll() is not None:
+                tally.case("the process that was not killed has ended")
+                break
     return tally.outcome(f"{acknowledged} acknowledged decisions looked up again")
 
 
