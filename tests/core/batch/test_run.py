@@ -7,12 +7,13 @@ from pathlib import Path
 import pytest
 
 import markermend as mm
-from markermend.batch import records
+from markermend.batch import pool, records
 from markermend.batch.locks import MARK, alone
 from markermend.batch.overview import overview
-from markermend.batch.policy import Policy, Rule, read_policy
+from markermend.batch.policy import Policy, Rule
 from markermend.batch.run import Outcome, run
 from markermend.batch.settings import Settings
+from markermend.batch.work import work
 from markermend.errors import BadInput
 from markermend.review.decisions import read_decisions
 from markermend.review.store import Store
@@ -24,7 +25,13 @@ FINDINGS = [
     "a.findings.json", "b.findings.json", "c.c3d.findings.json", "c.npz.findings.json",
     "monday/a.findings.json", "monday/d.findings.json",
 ]  # fmt: skip
-REPAIR = replace(GAPS, policy=read_policy("gap"))
+REPAIR = replace(GAPS, policy=Policy({"gap": Rule("pchip")}))  # which costs little
+
+
+@pytest.fixture
+def here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Work in this process, where it does not matter in which."""
+    monkeypatch.setattr(pool, "results", lambda tasks, **_: map(work, tasks))
 
 
 def files(folder: Path) -> list[str]:
@@ -59,6 +66,7 @@ def test_every_take_ends_somewhere_and_none_stops_the_others(
         ]  # fmt: skip
 
 
+@pytest.mark.usefixtures("here")
 def test_a_second_run_computes_nothing_and_mends_the_files(
     archive: Path, store: Store, tmp_path: Path
 ):
@@ -79,6 +87,7 @@ def test_a_second_run_computes_nothing_and_mends_the_files(
     assert load(out / "a.findings.json")["take"] == "a.npz"
 
 
+@pytest.mark.usefixtures("here")
 def test_what_changed_is_looked_at_again_and_what_is_gone_is_forgotten(
     archive: Path, store: Store, tmp_path: Path
 ):
@@ -102,6 +111,7 @@ def test_what_changed_is_looked_at_again_and_what_is_gone_is_forgotten(
     ]  # fmt: skip
 
 
+@pytest.mark.usefixtures("here")
 def test_repairs_are_made_only_by_a_policy_and_as_the_decisions_beside_say(
     archive: Path, store: Store, tmp_path: Path
 ):
@@ -118,6 +128,7 @@ def test_repairs_are_made_only_by_a_policy_and_as_the_decisions_beside_say(
         assert changed.sum() == sum(len(span) for _, span in accepted)
 
 
+@pytest.mark.usefixtures("here")
 def test_settings_do_not_share_results(archive: Path, store: Store, tmp_path: Path):
     run(archive, GAPS, store)
     policies = (
@@ -142,6 +153,7 @@ def test_results_do_not_depend_on_how_many_work(archive: Path, store: Store, tmp
     assert results(1) == results(3)
 
 
+@pytest.mark.usefixtures("here")
 def test_files_of_somebody_else_are_not_replaced(archive: Path, store: Store, tmp_path: Path):
     out = tmp_path / "out"
     (out / "monday").mkdir(parents=True)
@@ -161,6 +173,7 @@ def test_repairs_go_to_a_place_of_their_own(archive: Path, store: Store):
         run(archive, REPAIR, store, out=archive)
 
 
+@pytest.mark.usefixtures("here")
 def test_results_may_lie_in_the_archive(archive: Path, store: Store):
     for resumed in (0, len(DONE)):
         outcome = run(archive, REPAIR, store, out=archive / "results")
@@ -168,6 +181,7 @@ def test_results_may_lie_in_the_archive(archive: Path, store: Store):
         assert outcome.to_json()["done"] == DONE
 
 
+@pytest.mark.usefixtures("here")
 def test_only_one_at_a_time(archive: Path, store: Store, tmp_path: Path):
     out, other = tmp_path / "out", tmp_path / "other"
     other.mkdir()
