@@ -76,6 +76,10 @@ class Lacking(BadInput):
         super().__init__(message)
         self.what = what
 
+    def __reduce__(self) -> tuple[type["Lacking"], tuple[str, str]]:
+        """Let it come out of another process, as every other error does."""
+        return type(self), (str(self), self.what)
+
 
 class UnknownName(BadInput):
     """No such marker, method, detector, kind or parameter."""

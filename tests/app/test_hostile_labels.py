@@ -15,8 +15,8 @@ from .conftest import Ticks, made_take, settle
 
 LABELS = (
     "<img src=x onerror=alert(1)>", "\"'><script>alert(2)</script>", "' onclick='alert(3)' x='",
-    "=cmd|' /C calc'!A0", "../../etc/passwd", "x" * 200, "</div></button><marquee>", "\u202egnp.exe",
-    "&lt;img src=x&gt;",
+    "=cmd|' /C calc'!A0", "../../etc/passwd", "x" * 200, "</div></button><marquee>",
+    "\u202egnp.exe", "&lt;img src=x&gt;",
 )  # fmt: skip
 MakeDesk = Callable[..., tuple[Desk, Ticks]]
 

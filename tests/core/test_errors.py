@@ -1,9 +1,12 @@
 """What an error may quote, and how much of it."""
 
+import pickle
+
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from markermend.errors import BadInput, UnknownName, legible
+from markermend.errors import BadInput, Lacking, MarkerMendError, UnknownName, legible
 
 
 @given(st.text())
@@ -18,6 +21,21 @@ def test_letters_of_every_script_stay() -> None:
     for text in ("Knie links", "كاحل", "קרסול", "膝", "genou é", "a\xa0b"):
         assert legible(text) == text
     assert legible("a\u202eb\nc\ud800") == "ab c\ufffd"
+
+
+def every_error() -> list[type[MarkerMendError]]:
+    found, rim = [], [MarkerMendError]
+    while rim:
+        found += rim
+        rim = [kind for parent in rim for kind in parent.__subclasses__()]
+    return [kind for kind in found if kind.__module__ == "markermend.errors"]
+
+
+@pytest.mark.parametrize("kind", every_error())
+def test_every_error_comes_out_of_another_process_whole(kind: type[MarkerMendError]) -> None:
+    error = kind("It lacks its unit; give it.", *(("units",) if kind is Lacking else ()))
+    again = pickle.loads(pickle.dumps(error))
+    assert (type(again), str(again), vars(again)) == (kind, str(error), vars(error))
 
 
 def test_many_names_are_not_all_said() -> None:

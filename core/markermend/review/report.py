@@ -29,7 +29,8 @@ margin:32px auto;padding:0 20px}h1{font-size:24px;margin:0 0 4px}h2{font-size:17
 margin:32px 0 8px}
 p{margin:4px 0}.quiet{color:#4f5762}table{border-collapse:collapse;width:100%;
 font-variant-numeric:tabular-nums}th{font-weight:400;color:#4f5762;font-size:12px}
-h1,td,figcaption,p{unicode-bidi:isolate}th,td{text-align:right;padding:5px 8px;border-bottom:1px solid #e2e5ea}
+h1,td,figcaption,p{unicode-bidi:isolate}
+th,td{text-align:right;padding:5px 8px;border-bottom:1px solid #e2e5ea}
 th:nth-child(-n+2),td:nth-child(-n+2){text-align:left}figure{margin:20px 0;break-inside:avoid}
 figcaption{margin-bottom:4px}svg{background:#fff;border:1px solid #e2e5ea;max-width:100%}
 i{display:inline-block;width:10px;height:10px;border-radius:2px;margin-right:6px}
