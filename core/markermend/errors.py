@@ -21,6 +21,7 @@ Messages follow one grammar: what is wrong, with the value that was given, then 
 
 import unicodedata
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 _MOST_NAMES, _LONGEST_NAME = 60, 100
 _SPACES = {"Cc", "Zl", "Zp"}
@@ -54,6 +55,18 @@ class MarkerMendError(Exception):
     def __init__(self, message: str = "") -> None:
         super().__init__(legible(message))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Let it come out of another process with all that it carries."""
+        return _again, (type(self), self.args, vars(self))
+
+
+def _again(
+    kind: type[MarkerMendError], arguments: tuple[Any, ...], carried: dict[str, Any]
+) -> MarkerMendError:
+    error = kind.__new__(kind, *arguments)
+    vars(error).update(carried)
+    return error
+
 
 class BadInput(MarkerMendError, ValueError):
     """What was handed in cannot be used as it is."""
@@ -75,10 +88,6 @@ class Lacking(BadInput):
     def __init__(self, message: str, what: str) -> None:
         super().__init__(message)
         self.what = what
-
-    def __reduce__(self) -> tuple[type["Lacking"], tuple[str, str]]:
-        """Let it come out of another process, as every other error does."""
-        return type(self), (str(self), self.what)
 
 
 class UnknownName(BadInput):
