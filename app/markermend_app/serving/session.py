@@ -10,6 +10,7 @@ from markermend_app.serving.metrics import Metrics
 from markermend_app.state.intents import perform
 from markermend_app.state.people import Person
 from markermend_app.state.second_review import Comparing
+from markermend_app.state.together import Together
 from markermend_app.state.workspace import Workspace
 from markermend_app.views.page import build
 
@@ -50,7 +51,7 @@ def visit(
     def schedule(task: Callable[[], None]) -> None:
         document.add_next_tick_callback(task)
 
-    desk = Comparing(workspace, schedule, person)
+    desk = Together(workspace, schedule, person)
     page = build(desk)
     if metrics is not None:
         metrics.sessions.inc()

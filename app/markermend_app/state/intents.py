@@ -10,6 +10,7 @@ from markermend_app.state.desk import SIGNALS, VIEWS, Desk
 from markermend_app.state.exercise_intents import EXERCISE_INTENTIONS, WITH_EXERCISE_DIALOG
 from markermend_app.state.people import Right
 from markermend_app.state.queueing import FILTERS
+from markermend_app.state.together import TEAM_INTENTIONS
 
 Fields = Mapping[str, Any]
 LEAST_FACTOR, MOST_FACTOR = 0.5, 4.0
@@ -208,6 +209,7 @@ INTENTIONS: Mapping[str, Intention] = {
     "close": lambda desk, arg, fields: desk.close_dialog(),
     "dismiss": lambda desk, arg, fields: desk.dismiss(),
     **EXERCISE_INTENTIONS,
+    **TEAM_INTENTIONS,
 }
 WITH_DIALOG = {
     "close",

@@ -56,6 +56,10 @@ class Jobs:
         else:
             ticket.tell(lambda: done(result))
 
+    def tell(self, report: Callable[[], None]) -> None:
+        """Do something on the page's thread, unless the page is closed by then."""
+        self._schedule(lambda: None if self._closed else report())
+
     def cancel(self, topic: str) -> None:
         """Make work under way for a topic stale."""
         self._current.pop(topic, None)

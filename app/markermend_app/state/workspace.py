@@ -322,7 +322,7 @@ class Workspace:
             raise BadInput(f"{plain!r} is no take; drop a file that ends in {', '.join(known)}.")
         if len(data) > self.most_upload:
             raise self.too_large(plain, len(data))
-        around = Path(self.store.where).parent if self.reach is None else self.reach.root
+        around = self.store.folder if self.reach is None else self.reach.root
         folder = around / "dropped" / sha256(data).hexdigest()[:12]
         try:
             if self.reach is not None:

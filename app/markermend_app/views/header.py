@@ -3,6 +3,7 @@
 from html import escape
 
 from markermend_app.state.desk import Desk
+from markermend_app.state.together import Together
 from markermend_app.views.markup import button, icon, kbd
 
 SHOWS = ("opened", "review", "findings", "busy", "searching", "saved", "theme", "thresholds")
@@ -107,6 +108,25 @@ def message(desk: Desk) -> str:
     if not desk.message:
         return ""
     return (
-        f'<div class="message" role="alert"><span>{escape(desk.message)}</span>'
+        f'<div class="message" role="alert"><span>{escape(desk.message)}</span>{_ways_out(desk)}'
         f'<span class="push">{button("dismiss", "Dismiss", key=False)}{kbd("close")}</span></div>'
     )
+
+
+def _ways_out(desk: Desk) -> str:
+    """Give buttons for what can be done where several people are at one take."""
+    if not isinstance(desk, Together):
+        return ""
+    ways: tuple[tuple[str, str], ...] = ()
+    if desk.conflict is not None:
+        ways = (
+            ("settle_mine", "Keep mine"),
+            ("settle_theirs", "Take theirs"),
+            ("settle_both", "Keep both apart"),
+        )
+    elif desk.unsaved:
+        ways = (("save", "Save now"),)
+    elif desk.holder:
+        watching = () if desk.looking_on else (("look_on", "Look on"),)
+        ways = (*watching, ("take_over", "Take over"))
+    return "".join(button(action, label, key=False) for action, label in ways)
