@@ -107,6 +107,7 @@ COMMANDS: dict[str, str] = {
     "remove": "remove a span that was added by hand",
     "adding": "add a missed span by dragging over a lane",
     "filter_clear": "clear all filters",
+    "bones": "bones by the labels, or inferred",
     "learning": "order by earlier decisions, or not",
     "report": "write a report of this take",
     "archive": "the archive as a whole: worst takes, markers that fail",

@@ -104,12 +104,20 @@ def test_chunks_cover_the_take_once_and_carry_what_is_current() -> None:
 
     mended = positions.copy()
     mended[10:20, 7] += 5
-    view.update_positions(mended, [(7, 10, 20)])
+    view.amend(7, (10, 20), mended[10:20, 7])
     patch = sent[-1]
     assert (patch["type"], patch["marker"], patch["start"]) == ("patch", 7, 10)
     np.testing.assert_array_equal(
         np.frombuffer(patch["data"], "<f4").reshape(-1, 3),
         scene.z_up(mended[10:20, 7], view._up),
+    )
+    view._handle_msg({"type": "want", "take": view.scene["id"], "chunk": 0})
+    first = np.frombuffer(sent[-1]["data"], "<f4").reshape(-1, 60, 3)
+    np.testing.assert_array_equal(first, scene.z_up(mended[: len(first)], view._up))
+    view.amend(7, (10, 20), None)
+    np.testing.assert_array_equal(
+        np.frombuffer(sent[-1]["data"], "<f4").reshape(-1, 3),
+        scene.z_up(positions[10:20, 7], view._up),
     )
 
 

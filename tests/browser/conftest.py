@@ -27,7 +27,7 @@ FLAGS = [
     "--force-color-profile=srgb",
 ]
 LOOPBACK = {"127.0.0.1", "localhost", "::1", None}
-TIMEOUT_MS = 20_000
+TIMEOUT_MS = 60_000
 
 
 def find_chromium(playwright: Playwright) -> str | None:

@@ -11,7 +11,7 @@ from typing import Any
 from PIL import Image
 from playwright.sync_api import Page
 
-OPENS_MS = 60_000
+OPENS_MS = 120_000
 
 VIEW = """(name) => {
   const model = Bokeh.documents[0].get_model_by_name(name);
@@ -50,6 +50,8 @@ class DeskPage:
     def __init__(self, page: Page) -> None:
         self.page = page
         page.wait_for_selector(".row", timeout=OPENS_MS)
+        # Gaps are there at once, everything else once it is found.
+        page.wait_for_selector(".header .bar.running", state="detached", timeout=2 * OPENS_MS)
         self.settled()
 
     def settled(self) -> None:
@@ -181,7 +183,7 @@ class DeskPage:
         )
 
 
-def until(check: Any, seconds: float = 20.0) -> Any:
+def until(check: Any, seconds: float = 60.0) -> Any:
     """Wait until `check` gives something true, and give it."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:

@@ -46,6 +46,7 @@ def start(tmp_path: Path) -> Iterator[Any]:
         server.kill()
 
 
+@pytest.mark.timeout(900)
 def test_the_main_job_on_a_raw_take(raw: Path, start: Any, open_page: Any, tmp_path: Path):
     take = mm.read(raw)
     findings = {f.id: f for f in mm.detect(take)}

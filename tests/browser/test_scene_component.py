@@ -140,11 +140,10 @@ def test_unseen_marker_is_hidden_and_comes_back(stage: Stage) -> None:
 
 
 def test_accepted_repair_reaches_what_was_already_sent(stage: Stage) -> None:
-    mended = figure()
-    mended[slice(*UNSEEN), WRIST] = (0, 420, 1000)
+    values = np.tile((0.0, 420.0, 1000.0), (UNSEEN[1] - UNSEEN[0], 1))
     stage.seek(1050)
     assert stage.js(f"markerPixel({WRIST})") is None
-    stage.python(lambda view: view.update_positions(mended, [(WRIST, *UNSEEN)]))
+    stage.python(lambda view: view.amend(WRIST, UNSEEN, values))
     stage.wait(f"markerPixel({WRIST}) !== null")
 
 

@@ -20,6 +20,9 @@ from markermend_app.plots.figures import GUTTER, paint
 from markermend_app.state.values import OverviewValues
 from markermend_app.style.tokens import TOKENS
 
+MOST_PATCHES = 200
+"""Values that are sent one by one; of more than these all are sent."""
+
 
 class Overview:
     """Marker × time: shaded by speed, spans by kind, the lanes' window, the playhead.
@@ -130,9 +133,26 @@ class Overview:
                 grown = (box[0] - least / 2, box[1] + least / 2, row - 0.9, row + 1.9)
                 for name, value in zip(ring, grown, strict=True):
                     ring[name].append(value)
-        for source, data in ((self.marks, columns), (self.ring, ring)):
-            if source.data != data:
-                source.data = data
+        _bring_up_to_date(self.marks, columns)
+        _bring_up_to_date(self.ring, ring)
+
+
+def _bring_up_to_date(source: ColumnDataSource, columns: dict[str, list[Any]]) -> None:
+    """Send what differs: mostly one mark that is settled now."""
+    shown = source.data
+    n = len(next(iter(columns.values())))
+    if n != len(next(iter(shown.values()))):
+        source.data = columns
+        return
+    patches = {}
+    for name, values in columns.items():
+        differ = [i for i, (a, b) in enumerate(zip(shown[name], values, strict=True)) if a != b]
+        if differ:
+            patches[name] = [(i, values[i]) for i in differ]
+    if sum(map(len, patches.values())) > MOST_PATCHES:
+        source.data = columns
+    elif patches:
+        source.patch(patches)
 
 
 def _cut(name: str, most: int = 8) -> str:

@@ -103,6 +103,7 @@ class Desk(Deciding):
                 playing=False,
                 text="",
                 verdict="",
+                by="",
                 begun=None,
                 adding=False,
                 thresholds=AS_DESIGNED,

@@ -50,10 +50,18 @@ class Held(param.Parameterized):  # type: ignore[misc]  # param has no types
         self.session: ReviewSession | None = None
         self._of: tuple[Finding, ...] = ()
         self._by_id: dict[str, Finding] = {}
+        self._undecided: dict[str, Judgement] = {}
 
     def judged(self, finding: Finding) -> Judgement:
         """Give a finding with its decision."""
-        return self.review.judgement(finding)
+        review = self.review
+        decided = review.judgements.get(finding.id)
+        if decided is not None:
+            return decided
+        known = self._undecided.get(finding.id)
+        if known is None:
+            known = self._undecided[finding.id] = review.judgement(finding)
+        return known
 
     @property
     def current(self) -> Finding | None:

@@ -60,6 +60,20 @@ def _verdict(desk: Desk, arg: Any, _: Fields) -> None:
     desk.verdict = str(arg) if arg in FILTERS else ""
 
 
+def _by(desk: Desk, arg: Any, _: Fields) -> None:
+    desk.by = str(arg) if arg in desk.authors else ""
+
+
+def _bones(desk: Desk, _: Any, __: Fields) -> None:
+    """Draw bones by the labels, or by what keeps its distance."""
+    if desk.bones == "template":
+        desk.bones = "inferred"
+    elif desk.opened is not None and desk.opened.skeleton is not None:
+        desk.bones = "template"
+    else:
+        desk.fail("These labels name no set of markers that is known; bones stay as inferred.")
+
+
 def _threshold(kind: Kind) -> Intention:
     def change(desk: Desk, arg: Any, _: Fields) -> None:
         desk.set_threshold(kind, min(MOST_FACTOR, max(LEAST_FACTOR, float(arg))))
@@ -154,6 +168,8 @@ INTENTIONS: Mapping[str, Intention] = {
     "filter_kind": _filter,
     "filter_text": _text,
     "filter_verdict": _verdict,
+    "filter_by": _by,
+    "bones": _bones,
     "filter_clear": lambda desk, arg, fields: desk.clear_filters(),
     "learning": _toggle("learning"),
     "note": lambda desk, arg, fields: desk.show("note") if desk.current else None,

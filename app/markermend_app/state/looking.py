@@ -8,6 +8,7 @@ from markermend_app.state.values import OverviewValues, SpanMark
 
 ZOOMS = ("span", "5 s", "take")
 VIEWS = ("oblique", "front", "side", "top")
+BONES = ("inferred", "template")
 SIGNALS = ("residual", "speed", "acceleration", "distance")
 
 
@@ -22,12 +23,20 @@ class Looking(Held):
     speed: float = param.Number(1.0, bounds=(0.1, 4.0))
     view: str = param.Selector(default="oblique", objects=[*VIEWS, "free"])
     following: bool = param.Boolean(True)
+    bones: str = param.Selector(default="inferred", objects=list(BONES))
     raw_only: bool = param.Boolean(False)
     relative: bool | None = param.Boolean(
         default=None, allow_None=True, doc="Without the neighbours' motion; None: as it serves."
     )
     signal: str = param.Selector(default="residual", objects=list(SIGNALS))
     theme: str = param.Selector(default="light", objects=["light", "dark"])
+
+    @property
+    def skeleton(self) -> tuple[str, tuple[tuple[int, int], ...]]:
+        """Which bones are drawn: the name of the set of markers, or empty, and pairs of markers."""
+        assert self.opened is not None
+        named = self.opened.skeleton if self.bones == "template" else None
+        return ("", self.opened.mesh.bones) if named is None else named
 
     def seek(self, frame: float) -> None:
         """Put the playhead on a frame."""

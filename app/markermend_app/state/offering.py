@@ -47,6 +47,7 @@ class Offering(Looking):
     def _forget(self) -> None:
         """Let go of what was offered of another take."""
         self._known.clear()
+        self._undecided.clear()
         self.mended = {}
 
     def _masked(self, but: str) -> tuple[tuple[str, Span], ...]:

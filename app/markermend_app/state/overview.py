@@ -1,6 +1,6 @@
 """What the overview shows of a desk: all markers over time."""
 
-from functools import lru_cache
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -28,11 +28,18 @@ def overview(desk: Desk) -> OverviewValues | None:
     )
 
 
-@lru_cache(maxsize=4)
-def _fixed(
-    opened: Opened,
-) -> tuple[dict[str, int], tuple[tuple[float, str], ...], np.ndarray, tuple[EventMark, ...]]:
+Fixed = tuple[dict[str, int], tuple[tuple[float, str], ...], np.ndarray, tuple[EventMark, ...]]
+_OF_TAKES: WeakKeyDictionary[Opened, Fixed] = WeakKeyDictionary()
+
+
+def _fixed(opened: Opened) -> Fixed:
     """Give what stays the same while a take is open: rows, names of groups, shading, events."""
+    if opened not in _OF_TAKES:
+        _OF_TAKES[opened] = _computed(opened)
+    return _OF_TAKES[opened]
+
+
+def _computed(opened: Opened) -> Fixed:
     take, mesh = opened.take, opened.mesh
     order = list(mesh.order)
     listed = set(order)

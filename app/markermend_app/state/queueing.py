@@ -27,13 +27,16 @@ class Queueing(Offering):
     kinds: frozenset[Kind] = param.Parameter(frozenset(KINDS), doc="Kinds that the queue lists.")
     text: str = param.String("", doc="Part of a marker's name that the queue lists.")
     verdict: str = param.Selector(default="", objects=["", *FILTERS], doc="Settled ones listed.")
+    by: str = param.String("", doc="Whose verdicts are listed, or empty for everybody's.")
     triage: Triage = param.Parameter(NOTHING_LEARNT, doc="What earlier decisions teach.")
     learning: bool = param.Boolean(True, doc="Whether the order takes earlier decisions in.")
 
     def __init__(self, *given: Any, **values: Any) -> None:
         super().__init__(*given, **values)
         self._ordered: tuple[Any, tuple[Finding, ...]] = ((), ())
+        self._damages: tuple[tuple[Any, ...], Any, tuple[Finding, ...]] = ((None,) * 4, None, ())
         self._arrived: set[str] = set()
+        self._authors: tuple[Any, dict[str, str]] = (None, {})
 
     @property
     def queue(self) -> tuple[Finding, ...]:
@@ -48,13 +51,28 @@ class Queueing(Offering):
         return self._ordered[1]
 
     def _sorted(self) -> tuple[Finding, ...]:
+        judged = [(f, self.judged(f).decision) for f in self._by_damage()]
+        listed = [(f, d.verdict) for f, d in judged if not d.settled and self.lists(f)]
+        aside = [f for f, verdict in listed if verdict == "deferred"]
+        return (*(f for f, verdict in listed if verdict != "deferred"), *aside)
+
+    def _by_damage(self) -> tuple[Finding, ...]:
+        """Order all findings; a verdict changes nothing in it, another kind or span does."""
         assert self.opened is not None
-        take = self.opened.take
-        order = worst_first(
-            self.review, self.findings, take.rate, n_frames=take.n_frames, weight=self.weight
-        )
-        listed = [f for f in order if self.lists(f) and not self.review.decision(f).settled]
-        return tuple(sorted(listed, key=lambda f: self.review.decision(f).verdict == "deferred"))
+        moved = [
+            (key, judgement.decision.kind, judgement.decision.span)
+            for key, judgement in self.review.judgements.items()
+            if judgement.decision.kind is not None or judgement.decision.span is not None
+        ]
+        state = (self.opened, self.findings, self.triage, self.learning)
+        known = self._damages
+        if known[1] != moved or any(a is not b for a, b in zip(known[0], state, strict=True)):
+            take = self.opened.take
+            order = worst_first(
+                self.review, self.findings, take.rate, n_frames=take.n_frames, weight=self.weight
+            )
+            self._damages = known = (state, moved, order)
+        return known[2]
 
     def weight(self, finding: Finding) -> float:
         """How likely the operator is to accept a finding, by what was decided before."""
@@ -81,13 +99,29 @@ class Queueing(Offering):
                 else self.review.decision(f).settled
             )
             and self.lists(f)
+            and self.by in ("", self.author(f))
         ]
         return tuple(sorted(done, key=lambda f: order[f.id]))
+
+    def author(self, finding: Finding) -> str:
+        """Name of who decided on a finding last, or empty."""
+        if self.session is None:
+            return ""
+        if self._authors[0] is not self.review:
+            decided = self.session.decided
+            self._authors = self.review, {key: step.operator for key, step in decided.items()}
+        return self._authors[1].get(finding.id, "")
+
+    @property
+    def authors(self) -> tuple[str, ...]:
+        """Everybody who has decided on a finding of this take."""
+        found = {self.author(f) for f in self.findings if self.review.decision(f).verdict}
+        return tuple(sorted(found - {""}))
 
     @property
     def filtered(self) -> bool:
         """Whether something is hidden from the list."""
-        return bool(self.text.strip() or self.verdict) or self.kinds != frozenset(KINDS)
+        return bool(self.text.strip() or self.verdict or self.by) or self.kinds != frozenset(KINDS)
 
     def damage(self, finding: Finding) -> float:
         """Expected damage in mm s, the order of the queue."""
@@ -167,7 +201,7 @@ class Queueing(Offering):
 
     def clear_filters(self) -> None:
         """List everything again."""
-        self.param.update(kinds=frozenset(KINDS), text="", verdict="")
+        self.param.update(kinds=frozenset(KINDS), text="", verdict="", by="")
 
     def _prepare(self) -> None:
         """Compare the next findings, as they will be once the one at hand is accepted."""

@@ -6,6 +6,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from markermend.review.triage import Triage, learn
 from markermend_app.state import computing, keeping
 from markermend_app.state.archive import Archive
 from markermend_app.state.reach import Reach
+from markermend_app.state.skeletons import Bone, by_labels
 from markermend_app.state.worker import Worker
 
 Progress = Callable[[str], None]
@@ -36,6 +38,11 @@ class Opened:
     findings: tuple[Finding, ...]
     mesh: body.Body
     complete: bool = field(default=True, kw_only=True)
+
+    @cached_property
+    def skeleton(self) -> tuple[str, tuple[Bone, ...]] | None:
+        """The set of markers that the labels name, and its bones."""
+        return by_labels(self.take)
 
     @property
     def name(self) -> str:

@@ -18,10 +18,18 @@ export function render({ model, el }) {
   const rowHeight = () => parseFloat(getComputedStyle(list).getPropertyValue("--row")) || 30;
   const take = (table) => {
     const plain = (value) => (value instanceof Map ? Object.fromEntries(value) : value);
-    const { ids, changed } = plain(table);
+    const { ids, changed, gone, come } = plain(table);
     for (const [id, row] of Object.entries(plain(changed))) rows.set(id, plain(row));
-    order = ids;
-    const left = new Set(ids);
+    if (ids) {
+      order = [...ids];
+    } else {
+      const leaves = new Set(gone);
+      order = order.filter((id) => !leaves.has(id));
+      // In the order of their places, so that each place is right when its turn comes.
+      const places = Object.entries(plain(come)).sort((a, b) => a[1] - b[1]);
+      for (const [id, at] of places) order.splice(at, 0, id);
+    }
+    const left = new Set(order);
     for (const id of rows.keys()) if (!left.has(id)) rows.delete(id);
   };
 

@@ -25,6 +25,7 @@ HEAD_SHOWS = (
     "opened",
     "text",
     "verdict",
+    "by",
     "learning",
     "adding",
     "begun",
@@ -55,6 +56,17 @@ def head(desk: Desk) -> str:
         f'<option value="{value}"{" selected" if value == desk.verdict else ""}>{word}</option>'
         for value, word in (("", "All settled"), *VERDICT_WORDS.items())
     )
+    authors = ""
+    if len(desk.authors) > 1 or desk.by:
+        names = "".join(
+            f'<option value="{escape(name)}"{" selected" if name == desk.by else ""}>'
+            f"{escape(name)}</option>"
+            for name in desk.authors
+        )
+        authors = (
+            '<select data-do="filter_by" aria-label="Whose verdicts are listed">'
+            f'<option value="">By everybody</option>{names}</select>'
+        )
     learning = ""
     if desk.triage.n_decisions:
         learning = button(
@@ -71,7 +83,8 @@ def head(desk: Desk) -> str:
         '<div class="filter"><input type="text" name="filter" data-do="filter_text" '
         f'value="{escape(desk.text)}" aria-label="Filter by marker" placeholder="Marker" '
         f'spellcheck="false" autocomplete="off">{kbd("filter")}'
-        f'<select data-do="filter_verdict" aria-label="Verdicts listed">{verdicts}</select></div>'
+        f'<select data-do="filter_verdict" aria-label="Verdicts listed">{verdicts}</select>'
+        f"{authors}</div>"
         '<div class="columns" aria-hidden="true"><span></span><span>Marker</span>'
         "<span>Shape</span><span>mm</span><span>s</span><span>Damage</span></div>"
         f"{_empty(desk, len(left))}"
@@ -134,6 +147,19 @@ def _marker(finding: Finding, aside: str = "") -> str:
     return f'<span class="marker" title="{whole}">{name}{aside}</span>'
 
 
+def _difference(
+    old: list[str], new: list[str], changed: Mapping[str, dict[str, Any]]
+) -> dict[str, Any]:
+    """Give what a page that shows `old` has to know to show `new`: mostly one row that moves."""
+    before, after = set(old), set(new)
+    gone = [id_ for id_ in old if id_ not in after or id_ in changed]
+    come = {id_: at for at, id_ in enumerate(new) if id_ not in before or id_ in changed}
+    left = set(gone)
+    if [i for i in old if i not in left] != [i for i in new if i not in come]:
+        return {"ids": new, "changed": changed}
+    return {"gone": gone, "come": come, "changed": changed}
+
+
 class Queue(Component):
     """The list; a row is made once and sent when it changes."""
 
@@ -147,12 +173,14 @@ class Queue(Component):
         self._desk, self._intent = desk, intent
         self._shapes: dict[tuple[str, int, int], str] = {}
         self._made: dict[str, tuple[Any, dict[str, Any]]] = {}
+        self._worst: tuple[Any, float] = (None, 0.0)
         rows = self._rows()
         self._sent = rows
         first = {"ids": list(rows), "changed": rows}
         super().__init__(table=first, selected=desk.selected, **params)
         desk.param.watch(
-            self._refill, ["findings", "review", "kinds", "text", "verdict", "learning", "opened"]
+            self._refill,
+            ["findings", "review", "kinds", "text", "verdict", "by", "learning", "opened"],
         )
         desk.param.watch(self._reselect, ["selected"])
 
@@ -164,7 +192,7 @@ class Queue(Component):
         changed = {key: row for key, row in rows.items() if sent.get(key) is not row}
         if changed or list(rows) != list(sent):
             self._sent = rows
-            self._send_msg({"ids": list(rows), "changed": changed})
+            self._send_msg(_difference(list(sent), list(rows), changed))
 
     def _reselect(self, *_: object) -> None:
         self.selected = self._desk.selected
@@ -174,7 +202,9 @@ class Queue(Component):
         if desk.opened is None:
             return {}
         queue, settled = desk.queue, desk.settled
-        worst = max((desk.damage(f) for f in desk.found), default=0.0) or 1.0
+        if self._worst[0] is not desk.found:
+            self._worst = desk.found, max((desk.damage(f) for f in desk.found), default=0.0)
+        worst = self._worst[1] or 1.0
         rows = {f.id: self._row(f, lambda f: self._open_row(f, worst)) for f in queue}
         if settled:
             rows["-"] = self._divider(f"Settled {len(settled)}")

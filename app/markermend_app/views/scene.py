@@ -16,7 +16,7 @@ chunks around the cursor, and runs the clock. `SceneView.frame` follows about te
 `markermend_app.views.playheads` moves the cursors of the figures by these events.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
@@ -109,6 +109,7 @@ class SceneView(Component):
     def __init__(self, **params: Any) -> None:
         super().__init__(**params)
         self._positions: Array = np.empty((0, 0, 3))
+        self._amended: dict[tuple[int, int, int], Array] = {}
         self._up = 2
 
     def show_take(
@@ -126,8 +127,8 @@ class SceneView(Component):
         Parameters
         ----------
         positions
-            (n_frames, n_markers, n_dims) with the accepted repairs, mm, NaN where not seen. Not
-            copied: it is read when the browser comes near.
+            (n_frames, n_markers, n_dims) mm, NaN where not seen. Not copied: it is read when the
+            browser comes near.
         rate
             Frames per second.
         labels
@@ -139,6 +140,7 @@ class SceneView(Component):
         """
         n_frames, n_markers, _ = positions.shape
         self._positions = positions
+        self._amended = {}
         self._up = meshes.up_axis(positions)
         around = meshes.surroundings(positions, self._up)
         chunk = max(FEWEST_CHUNK_FRAMES, CHUNK_BYTES // max(1, 12 * n_markers))
@@ -184,27 +186,43 @@ class SceneView(Component):
         }
         self.param.update(focus=shown, selected=focus.marker)
 
-    def update_positions(self, positions: Array, changed: Iterable[tuple[int, int, int]]) -> None:
-        """Take over positions that differ from the former ones in the spans `changed` only.
+    def amend(self, marker: int, frames: tuple[int, int], values: Array | None) -> None:
+        """Show other positions of a marker in a span, or again those that it was given.
 
         Parameters
         ----------
-        positions
-            Of the same shape as those given to `show_take`.
-        changed
-            (marker, start, stop) of everything that differs.
+        marker
+            Index.
+        frames
+            Start and stop of the span, half-open.
+        values
+            (stop - start, n_dims), or None to take an amendment of this span back.
         """
-        self._positions = positions
-        for marker, start, stop in changed:
-            self._send_msg(
-                {
-                    "type": "patch",
-                    "take": self.scene["id"],
-                    "marker": int(marker),
-                    "start": int(start),
-                    "data": self._upright(positions[start:stop, marker]),
-                }
-            )
+        start, stop = frames
+        if values is None:
+            self._amended.pop((marker, start, stop), None)
+        else:
+            self._amended[marker, start, stop] = values
+        self._send_msg(
+            {
+                "type": "patch",
+                "take": self.scene["id"],
+                "marker": int(marker),
+                "start": int(start),
+                "data": self._upright(self._between(start, stop)[:, marker]),
+            }
+        )
+
+    def _between(self, start: int, stop: int) -> Array:
+        """Give the positions of some frames as they are to be shown."""
+        part = self._positions[start:stop]
+        shown = part
+        for (marker, first, last), values in self._amended.items():
+            low, high = max(start, first), min(stop, last)
+            if low < high:
+                shown = part.copy() if shown is part else shown
+                shown[low - start : high - start, marker] = values[low - first : high - first]
+        return shown
 
     def _handle_msg(self, msg: Mapping[str, Any]) -> None:
         if msg["take"] != self.scene.get("id"):
@@ -216,7 +234,7 @@ class SceneView(Component):
 
     def _send_chunk(self, chunk: int) -> None:
         n_frames = self.scene["chunk_frames"]
-        part = self._positions[chunk * n_frames : (chunk + 1) * n_frames]
+        part = self._between(chunk * n_frames, (chunk + 1) * n_frames)
         self._send_msg(
             {
                 "type": "chunk",

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from markermend.repairing import Repair
 from markermend_app.plots.scene import scene_colours
 from markermend_app.state.desk import Desk
 from markermend_app.style.kinds import KIND_STYLES
@@ -25,7 +26,7 @@ class Stage:
         self.desk = desk
         self.panel = SceneView(sizing_mode="stretch_both", margin=0)
         watch = desk.param.watch
-        watch(self._open, ["opened"])
+        watch(self._open, ["opened", "bones"])
         watch(self._focus, ["selected", "repair", "raw_only", "review", "theme"])
         watch(self._play, ["frame", "playing", "speed", "looping", "selected", "following", "view"])
         watch(self._paint, ["theme"])
@@ -44,13 +45,15 @@ class Stage:
         shown = np.flatnonzero([role != "model" for role in take.roles])
         self._place = {int(m): i for i, m in enumerate(shown)}
         self._index = [int(m) for m in shown]
-        bones = [(self._place[a], self._place[b]) for a, b in opened.mesh.bones]
+        bones = [(self._place[a], self._place[b]) for a, b in self.desk.skeleton[1]]
         labels = [take.labels[m] for m in shown]
-        self._positions = take.positions[:, shown]  # a copy, into which accepted repairs are put
+        # All of a long take are not copied.
+        positions = take.positions if len(shown) == take.n_markers else take.positions[:, shown]
         self._mended = {}
-        self.panel.show_take(self._positions, take.rate, labels, bones, frame=self.desk.frame)
+        self.panel.show_take(positions, take.rate, labels, bones, frame=self.desk.frame)
         self._focus()
         self._play()
+        self._mend()
 
     def _focus(self, *_: object) -> None:
         desk, opened, current, span = self.desk, self.desk.opened, self.desk.current, self.desk.span
@@ -79,22 +82,23 @@ class Stage:
         if opened is None or after is self._mended:
             return
         before, self._mended = self._mended, after
-        changed = []
         for key in {**before, **after}:
-            if before.get(key) is after.get(key):
+            old, new = before.get(key), after.get(key)
+            if old is new:
                 continue
-            done = after.get(key)
-            span = before[key].span if done is None else done.span
-            sources = before[key] if done is None else done
-            for label, values in ((sources.marker, sources.values), *sources.also):
-                marker = opened.take.index(label)
-                recorded = opened.take.positions[span.frames, marker]
-                self._positions[span.frames, self._place[marker]] = (
-                    recorded if done is None else values
-                )
-                changed.append((self._place[marker], span.start, span.stop))
-        if changed:
-            self.panel.update_positions(self._positions, changed)
+            if old is not None:
+                self._amend(old, shown=False)
+            if new is not None:
+                self._amend(new, shown=True)
+
+    def _amend(self, done: Repair, *, shown: bool) -> None:
+        take = self.desk.opened.take
+        for label, values in ((done.marker, done.values), *done.also):
+            self.panel.amend(
+                self._place[take.index(label)],
+                (done.span.start, done.span.stop),
+                values if shown else None,
+            )
 
     def _play(self, *_: object) -> None:
         desk, loop = self.desk, self.desk.loop

@@ -4,7 +4,7 @@ from markermend_app.state.desk import VIEWS, Desk
 from markermend_app.views.markup import button, icon
 
 SHOWS = ("opened", "selected", "playing", "looping", "speed", "review")
-VIEW_SHOWS = ("view", "following")
+VIEW_SHOWS = ("view", "following", "opened", "bones")
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
 
 
@@ -56,8 +56,16 @@ def views(desk: Desk) -> str:
         for view in VIEWS
     )
     follow = button("follow", "Follow", classes="", pressed=desk.following, key=False)
+    bones = ""
+    if desk.opened is not None and desk.opened.skeleton is not None:
+        name, _ = desk.opened.skeleton
+        bones = button(
+            "bones", "Bones", classes="", pressed=desk.bones == "template", key=False,
+            title=f"Bones of {name}, by the labels; else those that keep their distance",
+        )  # fmt: skip
+        bones = f'<div class="choice">{bones}</div>'
     return (
         '<div style="display:flex;gap:6px">'
         f'<div class="choice" role="group" aria-label="View" title="Next view: V">{presets}</div>'
-        f'<div class="choice" title="Follow the subject: W">{follow}</div></div>'
+        f'<div class="choice" title="Follow the subject: W">{follow}</div>{bones}</div>'
     )

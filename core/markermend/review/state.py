@@ -73,6 +73,9 @@ def frozen_parameters(given: Mapping[str, Any]) -> Mapping[str, Any]:
     return MappingProxyType({name: given[name] for name in sorted(given)})
 
 
+_UNTOUCHED = Decision()
+
+
 @dataclass(frozen=True)
 class Judgement:
     """A finding with its decision, complete without the detector that once found it.
@@ -173,7 +176,7 @@ class Review:
     def decision(self, finding: Finding | str) -> Decision:
         """Give the decision on a finding or an id; an empty one where nobody touched it."""
         judgement = self.judgements.get(_id(finding))
-        return Decision() if judgement is None else judgement.decision
+        return _UNTOUCHED if judgement is None else judgement.decision
 
     def judgement(self, finding: Finding) -> Judgement:
         """Give the judgement on a finding; an empty one where nobody touched it."""
