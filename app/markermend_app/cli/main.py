@@ -23,6 +23,7 @@ COMMANDS = {
     "detect": "list gaps and artefacts",
     "repair": "fill gaps, repair artefacts, write the take back",
     "batch": "detect, and repair by a policy, over an archive of takes",
+    "join": "put two takes into one and fill the time between",
     "evaluate": "repeat the published experiments and benchmarks, as tables",
     "simulate": "make a take of a walking or sitting person, with known artefacts",
     "serve": "serve an archive to the people of a lab",
