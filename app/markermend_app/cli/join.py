@@ -29,16 +29,12 @@ def run(options: argparse.Namespace) -> None:
     first, second = read(options.first, options), read(options.second, options)
     whole, repairs, refusals = joined(first, second, options.gap, options.method)
     io.write(whole, options.out, overwrite=options.force)
-    warn(
-        [
-            (
-                f"{options.out} is written anew: it holds the {whole.n_markers} measured markers that "
-                "both takes have, and nothing else of either file, such as events, analog data or "
-                "models"
-            ),
-            *(f"{r.wish.marker} stays open between the takes: {r.reason}" for r in refusals),
-        ]
+    lost = (
+        f"{options.out} is written anew: it holds the {whole.n_markers} measured markers that both "
+        "takes have, and nothing else of either file, such as events, analog data or models"
     )
+    open_ = [f"{r.wish.marker} stays open between the takes: {r.reason}" for r in refusals]
+    warn([lost, *open_])
     expected = [done.expected_mm for done in repairs if done.expected_mm is not None]
     said = f", {np.mean(expected):.1f} {whole.units} expected error" if expected else ""
     say(
