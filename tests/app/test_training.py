@@ -1,5 +1,6 @@
 """Exercises, second reviews and adjudication on a desk without a screen."""
 
+import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from markermend_app.state.intents import perform
 from markermend_app.state.people import Person
 from markermend_app.state.second_review import Comparing
 from markermend_app.state.training import Trainer
+from markermend_app.state.worker import Worker
 from markermend_app.state.workspace import Workspace
 from markermend_app.views import adjudication, dialogs, exercise, exercise_feedback
 
@@ -44,14 +46,15 @@ def store(tmp_path: Path) -> Iterator[Store]:
 
 
 @pytest.fixture
-def make(store: Store) -> Iterator[Make]:
+def make(store: Store, tmp_path: Path, worker: Worker, found_before: Path) -> Iterator[Make]:
+    shutil.copytree(found_before, tmp_path / "findings")
     desks: list[Comparing] = []
 
     def new(
         *paths: Path, trainer: Trainer | None = None, name: str = "ben"
     ) -> tuple[Comparing, Ticks]:
         ticks = Ticks()
-        workspace = Workspace(store, paths, methods=METHODS, ahead=0)
+        workspace = Workspace(store, paths, methods=METHODS, ahead=0, worker=worker)
         desks.append(Comparing(workspace, ticks, Person(name, "teacher"), trainer=trainer))
         return desks[-1], ticks
 
@@ -62,7 +65,7 @@ def make(store: Store) -> Iterator[Make]:
 
 def practising(make: Make, store: Store, **wanted: object) -> tuple[Comparing, Ticks, Trainer]:
     request = Request(clean_take(), LEVEL, SEED, density=DENSITY, **wanted)  # type: ignore[arg-type]
-    trainer = Trainer(store, request)
+    trainer = Trainer(store, request, methods=("linear", "rigid"))
     desk, ticks = make(trainer=trainer)
     desk.practise()
     settle(desk, ticks)

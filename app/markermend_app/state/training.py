@@ -16,6 +16,7 @@ from markermend.review.mending import mend
 from markermend.review.session import ReviewSession
 from markermend.review.store import Store
 from markermend.train import (
+    FAST,
     Curve,
     Exercise,
     Grade,
@@ -128,6 +129,8 @@ class Trainer:
         What the first exercise is to be.
     made
         The first exercise where it was made already, and why it was chosen.
+    methods
+        Names of the repairs that the trainee's are compared with.
     """
 
     def __init__(
@@ -135,8 +138,9 @@ class Trainer:
         store: Store,
         request: Request | None = None,
         made: tuple[Exercise, str] | None = None,
+        methods: Sequence[str] = FAST,
     ) -> None:
-        self.store = store
+        self.store, self.methods = store, methods
         self.request = Request() if request is None else request
         self._made = made
         self._lock = threading.Lock()
@@ -233,7 +237,9 @@ class Trainer:
         """Grade the exercise, keep the grade, and break the seal."""
         now = self._running[trainee]
         review = session.review
-        result = grade(now.sealed, review, decided=session.decided, progress=progress)
+        result = grade(
+            now.sealed, review, decided=session.decided, methods=self.methods, progress=progress
+        )
         helped = now.practice.helped
         archive.record(self.store, now.practice.number, result, trainee, helped=helped)
         session.set_status("finished")
