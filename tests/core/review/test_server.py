@@ -2,14 +2,17 @@
 
 import json
 import logging
+import shutil
 import socket
 import sqlite3
+import subprocess
 import threading
 import traceback
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, suppress
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -270,6 +273,25 @@ def test_many_at_once_wait_for_a_connection(server_store: Store, take: Take) -> 
 def test_a_backup_of_a_server_is_for_its_own_tools(server_store: Store, tmp_path: Path) -> None:
     with pytest.raises(StoreError, match="on a server; back it up with pg_dump"):
         server_store.backup(tmp_path / "backup.sqlite")
+
+
+def test_the_servers_own_tools_bring_everything_back(
+    server_store: Store, lab: str, take: Take, tmp_path: Path
+) -> None:
+    found = sorted(Path("/usr/lib/postgresql").glob("*/bin/pg_dump"))
+    dump = str(found[-1]) if found else shutil.which("pg_dump")
+    if dump is None:
+        pytest.skip("pg_dump is not installed")
+    session = ReviewSession.open(server_store, take, "anna")
+    session.do(Accept((peak(1),)))
+    file, other = tmp_path / "reviews.dump", fresh_database(lab, "restored")
+    restore = str(Path(dump).with_name("pg_restore"))
+    run = partial(subprocess.run, check=True, capture_output=True)
+    run([dump, "--format=custom", f"--file={file}", lab])
+    run([restore, "--clean", "--if-exists", f"--dbname={other}", file])
+    with Store(other) as store:
+        assert check(store).faults == ()
+        assert ReviewSession.open(store, take, "anna").review == session.review
 
 
 def test_several_may_make_the_store_at_once(lab: str) -> None:
