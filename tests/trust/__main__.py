@@ -4,9 +4,12 @@ Exits with 1 when anything failed or was lost.
 """
 
 import argparse
+import contextlib
 import importlib
 import json
+import os
 import pkgutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -55,13 +58,20 @@ def main() -> int:
 
     print(_line(None), flush=True)
     with ThreadPoolExecutor(side_by_side) as pool:
-        rows = [row for some in pool.map(run, names) for row in some]
+        try:
+            rows = [row for some in pool.map(run, names) for row in some]
+        except KeyboardInterrupt:
+            pool.shutdown(wait=False, cancel_futures=True)
+            for child in list(_running):
+                _end(child)
+            raise
     print(f"{time.monotonic() - began:.0f} s in all, {given.processes} processes side by side.")
     tried, failed, lost = (sum(getattr(r, what) for r in rows) for what in _COUNTS)
     print(f"{tried} tried, {failed} failed, {lost} lost")
     return 1 if failed or lost or not tried else 0
 
 
+_running: set[subprocess.Popen[bytes]] = set()
 _COUNTS = ("tried", "failed", "lost")
 
 
@@ -104,14 +114,21 @@ def _in_a_process(name: str, seconds: float, given: argparse.Namespace) -> list[
         command += ["--short"] * given.short
         limit = GRACE_S + (GRACE_S if given.short else seconds)
         rows: list[Outcome] = []
-        try:
-            done = subprocess.run(
-                command, cwd=ROOT, env=child_environment(), capture_output=True, text=True,
-                errors="replace", timeout=limit,
+        with (Path(folder) / "said.txt").open("w+b") as said:
+            child = subprocess.Popen(
+                command, cwd=ROOT, env=child_environment(), stdout=said, stderr=said,
+                start_new_session=True,
             )  # fmt: skip
-            trouble = (done.stderr or done.stdout).strip()[-2000:]
-        except subprocess.TimeoutExpired:
-            trouble = f"not at its end after {limit:.0f} s"
+            _running.add(child)
+            try:
+                child.wait(limit)
+                said.seek(0)
+                trouble = said.read().decode("utf-8", "replace").strip()[-2000:]
+            except subprocess.TimeoutExpired:
+                trouble = f"not at its end after {limit:.0f} s"
+            finally:
+                _end(child)
+                _running.discard(child)
         if answer.is_file():
             rows = [Outcome(**row) for row in json.loads(answer.read_text("utf-8"))]
         if answer.with_suffix(".done").is_file():
@@ -120,6 +137,13 @@ def _in_a_process(name: str, seconds: float, given: argparse.Namespace) -> list[
     taken = time.monotonic() - began
     fault = f"FAULT {' '.join(trouble.split())[-200:]}"
     return [*rows, Outcome(name, 1, 1, 0, taken, fault)]
+
+
+def _end(child: subprocess.Popen[bytes]) -> None:
+    """End a subject and everything that it started."""
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(child.pid, signal.SIGKILL)
+    child.wait()
 
 
 def _rows(name: str, budget: Budget) -> Iterator[Outcome]:

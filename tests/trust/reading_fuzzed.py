@@ -38,7 +38,7 @@ def fuzz(name: str, runs: int, budget: Budget) -> Outcome:
         return Outcome(tally.subject, 0, note="atheris is not installed here")
     with tempfile.TemporaryDirectory(prefix="markermend-fuzz-") as scratch:
         folder = Path(scratch)
-        seconds = min(budget.left, 3600.0)
+        seconds = min(max(budget.left, 1.0), 3600.0)  # to libFuzzer 0 is for ever
         command = [sys.executable, "-m", "tests.trust._fuzzed", name, str(runs)]
         done = subprocess.run(
             [*command, str(budget.seed), str(seconds), str(folder)],
