@@ -85,7 +85,7 @@ def test_what_needs_no_screen_works_without_the_application(take_path: Path, tmp
 
 def test_the_application_imports_nothing_else_of_the_extra():
     root = Path(markermend_app.__file__).parent
-    extra = {"panel", "holoviews", "bokeh", "pyvista", "param", "vtk"}
+    extra = {"panel", "holoviews", "bokeh", "prometheus_client", "pyvista", "param", "vtk"}
     imported = {
         name.partition(".")[0]
         for path in root.rglob("*.py")
