@@ -1,5 +1,6 @@
 """Slow changes: triangles that the neighbours' prediction cannot explain."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -23,6 +24,7 @@ _MOST_LABELLED = 0.3
 _QUANTILE_POWER = 0.7
 _ONE_ARTEFACT = 100  # frames at 100 Hz on which one slow change raises the score
 _MASKED = 10  # frames beside a triangle in which no second one is looked for
+_ORDINARY = 1.5  # candidates a marker and minute that movement alone is taken to make
 _BASE = 5  # frames beside a triangle that must be recorded: without a base it is any drift
 _ECHO = 0.6  # a score that falls below this share was an echo
 
@@ -169,8 +171,12 @@ def find_slow(
     threshold: float,
     least_mm: float,
     pace: float,
-) -> list[Candidate]:
+) -> tuple[list[Candidate], float]:
     """Triangles that stand out, leave little behind when taken out, and are no echo.
+
+    Artefacts are few. Where ordinary candidates, so many a minute that they must be movement, have
+    a value above 1, the threshold grows in proportion, which keeps false alarms as rare in a fast
+    take as in a calm one.
 
     Parameters
     ----------
@@ -190,6 +196,10 @@ def find_slow(
         Smallest amplitude.
     pace
         Rate over 100 Hz.
+
+    Returns
+    -------
+    The candidates, and the threshold that was applied.
     """
     u = triangles.score / scale
     kept: list[Hill] = []
@@ -211,9 +221,16 @@ def find_slow(
             kept.remove(rival)
         if wins:
             kept.append(hill)
+    minutes = u.shape[1] / (6000.0 * pace)
+    rank = max(1, math.ceil(_ORDINARY * len(u) * minutes))
+    values = sorted((h.value for h in kept), reverse=True)
+    applied = threshold * max(1.0, values[rank - 1] if rank <= len(values) else 0.0)
+    strengths = [(h, h.value / applied) for h in kept]
     return [
-        Candidate("slow", h.marker, h.start, h.stop, h.value / threshold, h.value) for h in kept
-    ]
+        Candidate("slow", h.marker, h.start, h.stop, strength, h.value)
+        for h, strength in strengths
+        if strength >= LEAST
+    ], applied
 
 
 def _hills(

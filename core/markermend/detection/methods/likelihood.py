@@ -49,7 +49,8 @@ def likelihood(
     step
         Score that the weaker edge of a step has to pass.
     slow
-        Score, over the scale learnt from the take, that a slow change has to pass.
+        Score, over the scale learnt from the take, that a slow change has to pass; more where
+        movement alone often reaches half of it.
     least_slow
         Slow changes of a smaller amplitude are not reported.
     floor
