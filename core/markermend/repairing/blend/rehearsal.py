@@ -132,7 +132,7 @@ def _gated(weights: FloatArray, apart: FloatArray) -> FloatArray:
     return np.asarray(gated / gated.sum())
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=64)
 def _rehearse(
     content: bytes, shape: tuple[int, int, int], rate: float, labels: tuple[str, ...], length: int
 ) -> _Trials | None:
