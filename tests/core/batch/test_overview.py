@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from markermend.batch.overview import MOST_COLUMNS, Overview
@@ -15,9 +15,12 @@ from markermend.model import KINDS, Finding, Span, Take
 
 MARKERS = ("A", "B", "C")
 CELLS = st.dictionaries(
-    st.sampled_from(KINDS), st.tuples(st.integers(1, 9), st.floats(0, 100)).map(list), max_size=3
+    st.sampled_from(KINDS),
+    st.tuples(st.integers(1, 9), st.floats(0, 100)).map(list),
+    min_size=1,
+    max_size=3,
 )
-BY = st.dictionaries(st.sampled_from(MARKERS), CELLS.filter(bool), max_size=3)
+BY = st.dictionaries(st.sampled_from(MARKERS), CELLS, max_size=3)
 
 
 def line(name: str, by: dict, duration_s: float = 5.0) -> Line:
@@ -38,7 +41,8 @@ def seen(lines: list[Line]) -> Overview:
     )
 
 
-@given(st.lists(BY, min_size=1, max_size=12))
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(st.lists(BY, min_size=1, max_size=6))
 def test_takes_markers_kinds_and_picture_have_the_same_damage(everything: list[dict]):
     lines = [line(f"{i:02}.c3d", by) for i, by in enumerate(everything)]
     archive = seen(lines)

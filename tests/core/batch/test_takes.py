@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import markermend as mm
@@ -19,7 +19,8 @@ NAMES = st.builds(
 )
 
 
-@given(st.lists(NAMES, unique=True, max_size=12))
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(st.lists(NAMES, unique=True, max_size=8))
 def test_no_two_takes_share_a_findings_file(names: list[str]):
     found = findings_names(names)
     assert list(found) == names
