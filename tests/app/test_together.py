@@ -9,6 +9,7 @@ from tests.app.conftest import METHODS, Ticks, settle
 
 from markermend.errors import Unreachable
 from markermend.review.claims import claimed
+from markermend.review.requests import requests
 from markermend.review.store import Store
 from markermend_app.state.intents import perform
 from markermend_app.state.people import Person
@@ -110,6 +111,24 @@ def test_two_windows_that_decide_at_once_are_shown_and_settled(sit: Sit, way: st
     one.session.refresh()  # type: ignore[union-attr]
     assert (one.session.review == first) == (way != "mine")  # type: ignore[union-attr]
     assert len(two.workspace.store.reviews()) == (2 if way == "both" else 1)
+
+
+def test_a_second_review_is_asked_for_seen_and_answered(sit: Sit) -> None:
+    anna = sit("anna")
+    anna.reject()
+    perform(anna, "second_request", fields={"operator": "bo", "note": "for the paper"})
+    assert anna.message == "bo will see that a second review is asked for."
+    anna.close()
+    bo = sit("bo")
+    assert bo.message == "anna asks for a second review of this take (for the paper)."
+    store = bo.workspace.store
+    bo._hide_first()
+    assert bo.second == ("anna",)
+    bo.reject()
+    bo.finish_second()
+    assert requests(store) == ()
+    (done,) = requests(store, ended=True)
+    assert done.review == bo.session.record.id  # type: ignore[union-attr]
 
 
 def test_what_no_store_has_is_shown_as_unsaved_and_saved_later(

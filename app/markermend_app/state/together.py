@@ -10,6 +10,7 @@ import param
 from markermend.errors import Conflict, MarkerMendError, StoreError, Taken
 from markermend.review.claims import FIRST, HEARTBEAT_S, Claim, claim, claimed, release, renew
 from markermend.review.conflicts import Way, resolve, sides
+from markermend.review.requests import answer, ask, requests
 from markermend.review.session import Change, ReviewSession
 from markermend.review.store import new_token
 from markermend.review.triage import Triage
@@ -47,8 +48,8 @@ class Together(Comparing):
             self._leave()
             self.param.update(holder="", looking_on=False, conflict=None, unsaved=())
         super()._opened(result)
-        if ordinary and self.session is not None:
-            self._sit(self.session)
+        if ordinary and self.session is not None and self._sit(self.session):
+            self._tell_of_requests(self.session)
 
     def _sit(self, session: ReviewSession, *, take_over: bool = False) -> bool:
         """Claim the take of a session; say who has it where somebody else has."""
@@ -104,6 +105,39 @@ class Together(Comparing):
     def _lost(self, by: str, sentence: str) -> None:
         self.holder = by
         self.fail(sentence)
+
+    # second reviews
+
+    def request_second(self, asked_of: str = "", note: str = "") -> None:
+        """Ask somebody, or anybody else, to review the take at hand once more, blinded."""
+        if self.opened is None:
+            return
+        take, name = self.opened.take.content_hash, asked_of.strip()[:80]
+        try:
+            ask(self.workspace.store, take, self.person.name, name or None, note=note.strip())
+        except MarkerMendError as refusal:
+            self.fail(str(refusal))
+            return
+        self.fail(f"{name or 'Everybody else'} will see that a second review is asked for.")
+
+    def _tell_of_requests(self, session: ReviewSession) -> None:
+        asked = requests(session.store, take=session.record.take, operator=self.person.name)
+        if asked and not self.message:
+            why = f" ({asked[0].note})" if asked[0].note else ""
+            self.fail(f"{asked[0].asked_by} asks for a second review of this take{why}.")
+
+    def finish_second(self) -> None:
+        """Finish the second review, and with it the requests for it."""
+        session = self.session if self.second else None
+        super().finish_second()
+        if session is None:
+            return
+        store, record = session.store, session.record
+        try:
+            for request in requests(store, take=record.take, operator=record.operator):
+                answer(store, request, record.id)
+        except MarkerMendError as refusal:
+            self.fail(str(refusal))
 
     # deciding
 
@@ -200,24 +234,30 @@ class Together(Comparing):
         super().close()
 
 
-Act = Callable[[Together, Any], None]
+Fields = Mapping[str, Any]
+Act = Callable[[Together, Fields], None]
 
 
-def _on(act: Act) -> Callable[[Desk, Any, Mapping[str, Any]], None]:
+def _on(act: Act) -> Callable[[Desk, Any, Fields], None]:
     """Ask it of a desk that is not alone."""
 
-    def asked(desk: Desk, arg: Any, _: Mapping[str, Any]) -> None:
+    def asked(desk: Desk, _: Any, fields: Fields) -> None:
         if isinstance(desk, Together):
-            act(desk, arg)
+            act(desk, fields)
 
     return asked
 
 
-TEAM_INTENTIONS: Mapping[str, Callable[[Desk, Any, Mapping[str, Any]], None]] = {
-    "settle_mine": _on(lambda desk, arg: desk.settle("mine")),
-    "settle_theirs": _on(lambda desk, arg: desk.settle("theirs")),
-    "settle_both": _on(lambda desk, arg: desk.settle("both")),
-    "save": _on(lambda desk, arg: desk.save()),
-    "look_on": _on(lambda desk, arg: desk.look_on()),
-    "take_over": _on(lambda desk, arg: desk.take_over()),
+TEAM_INTENTIONS: Mapping[str, Callable[[Desk, Any, Fields], None]] = {
+    "settle_mine": _on(lambda desk, fields: desk.settle("mine")),
+    "settle_theirs": _on(lambda desk, fields: desk.settle("theirs")),
+    "settle_both": _on(lambda desk, fields: desk.settle("both")),
+    "save": _on(lambda desk, fields: desk.save()),
+    "look_on": _on(lambda desk, fields: desk.look_on()),
+    "second_request": _on(
+        lambda desk, fields: desk.request_second(
+            str(fields.get("operator", "")), str(fields.get("note", ""))
+        )
+    ),
+    "take_over": _on(lambda desk, fields: desk.take_over()),
 }
