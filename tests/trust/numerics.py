@@ -29,7 +29,6 @@ SPACE: dict[str, Callable[[FloatArray], FloatArray]] = {
     "rotation": lambda x: x @ TURN.T,
     "mirror": lambda x: x * MIRROR,
 }
-NEAR_MM = 1e-3
 _NAMES = tuple(name for name in REPAIRS.names() if name != "leave")
 
 
@@ -99,7 +98,8 @@ def _differs(case: Case, name: str, law: str) -> str:
     if wanted is None or other is None:
         return "" if wanted is other else f"{name}: refuses one of the two"
     off = float(np.abs(wanted - other).max())
-    return f"{name} at {case.span}: off by {off:.2g} mm" if not off <= NEAR_MM else ""
+    near = _promises.LESS_NEAR_MM.get(name, _promises.NEAR_MM)
+    return f"{name} at {case.span}: off by {off:.2g} mm" if not off <= near else ""
 
 
 def _in_metres(take: Take) -> Take:
@@ -158,7 +158,7 @@ def _motions(budget: Budget) -> Outcome:
                     continue
                 off = 0.0 if values is None else float(np.abs(values - case.truth).max())
                 fault = f"{name}, {motion} {span}: off by {off:.2g} mm"
-                tally.case(fault if off > NEAR_MM else "")
+                tally.case(fault if off > _promises.NEAR_MM else "")
     return tally.outcome("of the methods that promise it")
 
 
