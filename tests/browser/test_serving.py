@@ -27,7 +27,10 @@ INJECTED = """() => {
   const script = document.createElement("script");
   script.textContent = "window.broken = 2";
   document.body.append(script);
-  try { new Function("window.broken = 3")(); } catch { /* as it should be */ }
+  // Later, since what a test itself evaluates is let through.
+  setTimeout(() => {
+    try { new Function("window.broken = 3")(); } catch { /* as it should be */ }
+  });
   new Image().src = "http://127.0.0.1:9/leak";
 }"""
 
@@ -90,7 +93,7 @@ def test_what_is_injected_into_the_page_does_not_run(lab: Served, browser: Any):
     page.wait_for_selector(".row", timeout=OPENS_MS)
     page.evaluate(INJECTED)
     page.wait_for_function("() => refusals.length >= 4")
-    assert page.evaluate("window.broken") is None
+    assert page.evaluate("window.broken ?? 'whole'") == "whole"
     refused = {re.sub("-(attr|elem)$", "", name) for name in page.evaluate("refusals")}
     assert refused == {"script-src", "img-src"}
     page.close()
