@@ -85,7 +85,7 @@ def results(
 
 
 def _on_cluster(tasks: Sequence[Task], address: str, limit_s: float) -> Iterator[Result]:
-    with _silent("distributed"), _client(address) as client:
+    with _silent("distributed.client"), _client(address) as client:
         from distributed.scheduler import KilledWorker
         from joblib import Parallel, delayed, parallel_config
 
@@ -130,9 +130,8 @@ def _client(address: str) -> Iterator[Any]:
 def _silent(name: str) -> Iterator[None]:
     """Keep a library from logging: what is to be said of a cluster is said in one sentence."""
     log = logging.getLogger(name)
-    level = log.level
-    log.setLevel(logging.CRITICAL + 1)
+    before, log.disabled = log.disabled, True  # its level is set anew when it is imported
     try:
         yield
     finally:
-        log.setLevel(level)
+        log.disabled = before
