@@ -26,6 +26,9 @@ from markermend.assets import demonstration
 
 HELPERS = Path(__file__).with_name("desk_page.js")
 WORST_MS = 120_000
+COMPARISONS = 10
+DECISIONS = 500
+"""Between the first and the last look at the memory, with those that take them back."""
 
 
 def summary(values: Sequence[float]) -> dict[str, float]:
@@ -99,10 +102,14 @@ class Bench:
         self.page.keyboard.press(key)
         return float(waiting.evaluate("(it) => it.done"))
 
+    def wait_for_search(self) -> None:
+        """Wait until everything that is in the take has been found."""
+        self.page.wait_for_selector(".header .bar.running", state="detached")
+
     def server_mb(self) -> float:
-        """Resident memory of the server and what it started."""
+        """Memory of the server and what it started; what they share is counted once."""
         processes = [self.process, *self.process.children(recursive=True)]
-        return sum(p.memory_info().rss for p in processes) / 1e6
+        return sum(_own_bytes(p) for p in processes) / 1e6
 
     def browser_mb(self) -> float:
         """Memory of the page's own objects after collecting what is no longer used."""
@@ -111,11 +118,30 @@ class Bench:
         return float(session.send("Runtime.getHeapUsage")["usedSize"]) / 1e6
 
 
+def _own_bytes(process: psutil.Process) -> int:
+    try:
+        told = process.memory_full_info()
+    except psutil.NoSuchProcess:
+        return 0
+    return int(getattr(told, "pss", told.rss))
+
+
 def on_a_real_take(bench: Bench, events: int) -> dict[str, dict[str, float]]:
     """Decide, preview, compare, slide and play."""
     page = bench.page
+    bench.wait_for_search()
+    comparisons = [bench.timed("k", "compared") for _ in range(COMPARISONS)]
+    sys.stderr.write(f"comparisons {summary(comparisons)} s\n")
+    # A take has fewer findings than are decided on here: each decision is taken back.
+    keys = []
+    for _ in range(events):
+        keys.append(bench.timed("f", "next"))
+        bench.timed("u", "next")
+        page.wait_for_timeout(100)
     memory = [bench.server_mb()]
-    keys = [bench.timed("f", "next") for _ in range(events)]
+    for _ in range(DECISIONS // 2 - events):
+        bench.timed("f", "next")
+        bench.timed("u", "next")
     memory.append(bench.server_mb())
     sys.stderr.write(f"keys {summary(keys)} server {memory} MB\n")
     previews = [bench.timed("j", "preview") for _ in range(events)]
@@ -125,11 +151,10 @@ def on_a_real_take(bench: Bench, events: int) -> dict[str, dict[str, float]]:
     page.keyboard.press(" ")
     page.wait_for_timeout(1000)
     heap = [bench.browser_mb()]
-    plays = [float(page.evaluate("bench.played(1000)")) for _ in range(max(4, events // 5))]
+    plays = [float(page.evaluate("bench.played(1000)")) for _ in range(max(10, events // 5))]
     heap.append(bench.browser_mb())
     page.keyboard.press(" ")
     sys.stderr.write(f"play {summary(plays)} heap {heap} MB\n")
-    comparisons = [bench.timed("j", "compared") for _ in range(3)]
     return {
         "key_to_next_ms": summary(keys),
         "first_preview_ms": summary(previews),
@@ -148,7 +173,7 @@ def on_a_long_take(bench: Bench, events: int) -> dict[str, dict[str, float]]:
     for _ in range(2):
         bench.page.keyboard.press("z")
         bench.page.wait_for_timeout(1500)
-    pans = [float(bench.page.evaluate("bench.panned(1000)")) for _ in range(5)]
+    pans = [float(bench.page.evaluate("bench.panned(1000)")) for _ in range(10)]
     return {
         "open_s": summary([bench.open_s]),
         "marker_switch_ms": summary(switches),

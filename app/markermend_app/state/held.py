@@ -1,6 +1,6 @@
 """What one page holds: the take, the decisions on it, and which finding is at hand."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from datetime import datetime
 from typing import Any
 
@@ -51,16 +51,15 @@ class Held(param.Parameterized):  # type: ignore[misc]  # param has no types
         self._of: tuple[Finding, ...] = ()
         self._by_id: dict[str, Finding] = {}
         self._undecided: dict[str, Judgement] = {}
+        self._decided: Mapping[str, Judgement] = {}
 
     def judged(self, finding: Finding) -> Judgement:
         """Give a finding with its decision."""
-        review = self.review
-        decided = review.judgements.get(finding.id)
-        if decided is not None:
-            return decided
-        known = self._undecided.get(finding.id)
+        # Asked for each of some thousand findings after each decision: this must be fast.
+        key = finding.id
+        known = self._decided.get(key) or self._undecided.get(key)
         if known is None:
-            known = self._undecided[finding.id] = review.judgement(finding)
+            known = self._undecided[key] = self.review.judgement(finding)
         return known
 
     @property
@@ -132,6 +131,7 @@ class Held(param.Parameterized):  # type: ignore[misc]  # param has no types
         review = self.session.review
         findings = review.live(detected)
         same = findings == self.findings
+        self._decided = review.judgements
         self.param.update(review=review, findings=self.findings if same else findings)
 
     def dismiss(self) -> None:

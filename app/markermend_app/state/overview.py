@@ -11,6 +11,8 @@ from markermend_app.state.values import EventMark, OverviewValues
 from markermend_app.state.workspace import Opened
 
 N_BINS = 1200
+NAMES = 7
+"""Names of groups that there is room for where the overview is lowest."""
 
 
 def overview(desk: Desk) -> OverviewValues | None:
@@ -45,11 +47,14 @@ def _computed(opened: Opened) -> Fixed:
     listed = set(order)
     order += [int(m) for m in take.measured if m not in listed]
     rows = {take.labels[m]: len(order) - 1 - i for i, m in enumerate(order)}
-    groups, at = [], len(order)
+    groups, at, last = [], len(order), np.inf
     for cluster in mesh.clusters:
         at -= len(cluster)
-        if len(cluster) >= max(3, len(order) // 18):
-            groups.append((at + len(cluster) / 2, _name(take.labels, cluster)))
+        middle = at + len(cluster) / 2
+        # A name needs so much of the height where the picture is lowest.
+        if len(cluster) >= 3 and last - middle >= len(order) / NAMES:
+            last = middle
+            groups.append((middle, _name(take.labels, cluster)))
     shade = curves.speed_map(take, np.array(order[::-1], dtype=int), N_BINS)
     return rows, tuple(groups), shade, events(take)
 
