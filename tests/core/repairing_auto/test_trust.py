@@ -102,7 +102,7 @@ def test_rows_come_one_by_one_and_refusals_say_why(walk):
     gone[SPAN.frames] = np.nan
     rows = compare_iter(walk.with_positions(gone), "THIGH2", SPAN, ("rlk", "pchip", "leave"))
     first = next(rows)
-    assert first.method == "leave"
+    assert first.method == "rlk", "in the order asked for"
     by_name = {row.method: row for row in (first, *rows)}
     assert by_name["rlk"].repair is None
     assert by_name["rlk"].refusal.endswith(".")
