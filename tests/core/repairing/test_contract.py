@@ -15,6 +15,7 @@ NAMES = REPAIRS.names()
 
 # Laws that a method does not promise, each with the reason.
 NO_ROTATION = {
+    "auto": "mixes some of the next ones in where little is seen",
     "pchip": "monotone along each axis",
     **dict.fromkeys(("li", "lpr", "glr", "lgrnn", "pma"), "smooths by the median of each axis"),
     **dict.fromkeys(("wpca", "pca_r1"), "scales each axis to unit variance"),

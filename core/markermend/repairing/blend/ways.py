@@ -5,13 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from markermend.errors import CannotRepair
 from markermend.model import FloatArray, runs
 from markermend.repairing.blend.fixed import regress_and_krige
 from markermend.repairing.blend.scene import BOUNDARY, Scene, survey
-from markermend.repairing.kriging import cubic
+from markermend.repairing.kriging import cubic, hermite
 from markermend.repairing.pca import Settings, fill_r2
 from markermend.repairing.recovery import (
     Model,
@@ -61,7 +60,8 @@ def ways(near: Window, filled: FloatArray) -> FloatArray:
     Returns
     -------
     (7, length, n_dims) mm: as filled at once, by regression in local frames, by LGRNN, PMA and
-    WPCA on the filled neighbours, and by the marker's own cubic spline and monotone cubic.  A way
+    WPCA on the filled neighbours, and by the marker's own cubic spline and its cubic of value and
+    slope.  A way
     that does not apply is the same as the one before it.
     """
     own = filled[near.span.frames, near.marker]
@@ -100,7 +100,7 @@ def _or(way: Callable[[], FloatArray], other: FloatArray) -> FloatArray:
 
 
 def _alone(near: Window) -> tuple[FloatArray, FloatArray]:
-    """Carry the marker's own motion across: a cubic spline, and a monotone cubic."""
+    """Carry the marker's own motion across: a cubic spline, and the cubic of value and slope."""
     inside = np.arange(near.span.start, near.span.stop)
     seen = np.flatnonzero(near.seen[:, near.marker])
     before, after = seen[seen < inside[0]][-BOUNDARY:], seen[seen > inside[-1]][:BOUNDARY]
@@ -108,8 +108,8 @@ def _alone(near: Window) -> tuple[FloatArray, FloatArray]:
     if min(len(before), len(after)) < 2:
         held = np.column_stack([np.interp(inside, seen, axis[seen]) for axis in near.own.T])
         return held, held
-    spline = cubic(inside / near.rate, edges / near.rate) @ near.own[edges]
-    return spline, np.asarray(PchipInterpolator(edges, near.own[edges])(inside))
+    when, known = (inside / near.rate, edges / near.rate), near.own[edges]
+    return cubic(*when) @ known, hermite(*when) @ known
 
 
 def second_sweep(near: Window, filled: FloatArray) -> FloatArray:
