@@ -5,10 +5,10 @@ import math
 # Logistic curves p = 1 / (1 + exp(-(a + b log strength))); tests/bench/calibrate_likelihood.py
 # fits them.
 CURVES = {
-    "peak": (2.35, 7.99),
-    "noise": (-2.28, 6.18),
-    "step": (-0.64, 3.89),
-    "slow": (-1.20, 2.56),
+    "peak": (1.30, 7.95),
+    "noise": (-1.31, 6.43),
+    "step": (-1.61, 7.08),
+    "slow": (-0.99, 4.80),
     "swap": (3.0, 2.0),
 }
 
