@@ -7,6 +7,7 @@ import ctypes
 import os
 import pickle
 import queue
+import shutil
 import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
@@ -14,6 +15,7 @@ from contextlib import suppress
 from typing import IO, Any
 
 from markermend.errors import MarkerMendError
+from markermend_app.state.computing import FOLDERS
 
 PRIORITY = 5
 """Nicer than the server by so much: an answer to the operator comes first."""
@@ -65,6 +67,8 @@ def _hear(requests: "queue.SimpleQueue[tuple[int, Any]]", source: IO[bytes]) -> 
     except Exception:  # noqa: BLE001  what cannot be read cannot be answered
         sys.excepthook(*sys.exc_info())
     finally:
+        for folder in FOLDERS:  # a server that was killed has not cleared up
+            shutil.rmtree(folder, ignore_errors=True)
         os._exit(0)
 
 
@@ -76,8 +80,6 @@ def main() -> None:
         os.nice(PRIORITY)
     requests: queue.SimpleQueue[tuple[int, Any]] = queue.SimpleQueue()
     threading.Thread(target=_hear, args=(requests, sys.stdin.buffer), daemon=True).start()
-    from markermend_app.state import computing  # noqa: F401  what will be asked for
-
     streams = Streams()
     while True:
         key, (what, *given) = requests.get()

@@ -16,12 +16,15 @@ from markermend.repairing.compare import Row, compare_iter
 from markermend.repairing.run import pose
 from markermend.repairing.trust import expected_error
 
+FOLDERS: set[Path] = set()
+"""Where takes were lent; they go with the server."""
 Masked = Sequence[tuple[str, Span]]
 
 
 @lru_cache(maxsize=2)
 def taken(path: Path) -> Take:
     """Give a take that was lent; its positions stay in the file and are read as they are needed."""
+    FOLDERS.add(path.parent)
     take = joblib.load(path, mmap_mode="r")
     assert isinstance(take, Take)
     return take
