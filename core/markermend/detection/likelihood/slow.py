@@ -25,6 +25,7 @@ _QUANTILE_POWER = 0.7
 _ONE_ARTEFACT = 100  # frames at 100 Hz on which one slow change raises the score
 _MASKED = 10  # frames beside a triangle in which no second one is looked for
 _ORDINARY = 1.5  # candidates a marker and minute that movement alone is taken to make
+_ENOUGH = 10  # fewer are no distribution: a short take's candidates may all be artefacts
 _BASE = 5  # frames beside a triangle that must be recorded: without a base it is any drift
 _ECHO = 0.6  # a score that falls below this share was an echo
 
@@ -224,7 +225,8 @@ def find_slow(
     minutes = u.shape[1] / (6000.0 * pace)
     rank = max(1, math.ceil(_ORDINARY * len(u) * minutes))
     values = sorted((h.value for h in kept), reverse=True)
-    applied = threshold * max(1.0, values[rank - 1] if rank <= len(values) else 0.0)
+    known = _ENOUGH <= rank <= len(values)
+    applied = threshold * max(1.0, values[rank - 1] if known else 0.0)
     strengths = [(h, h.value / applied) for h in kept]
     return [
         Candidate("slow", h.marker, h.start, h.stop, strength, h.value)
