@@ -19,11 +19,14 @@ def walk(tmp_path: Path) -> Path:
     return path
 
 
-def test_li_prints_writes_and_says_what_two_dimensions_are(
+def test_li_prints_writes_draws_and_says_what_two_dimensions_are(
     walk: Path, tmp_path: Path, command: Command
 ):
-    record = tmp_path / "li.json"
-    words = ("--pieces", 1, "--figures", "rank", "--dims", "3,2", "--json", record)
+    record, page = tmp_path / "li.json", tmp_path / "li.html"
+    words = (
+        *("--pieces", 1, "--figures", "rank", "--dims", "3,2"),
+        *("--json", record, "--picture", page),
+    )
     ended = command("evaluate", "li", walk, *words)
     assert ended.code == 0, ended.err
     written = json.loads(record.read_text())
@@ -31,13 +34,16 @@ def test_li_prints_writes_and_says_what_two_dimensions_are(
     assert {row["dims"] for row in written["rows"]} == {2, 3}
     assert all(f"{row['mean']:.2f} ±" in ended.out for row in written["rows"])
     assert "no recording" in ended.out
+    drawn = page.read_text(encoding="utf-8")
+    assert "Gaps and blackouts in walk.c3d" in drawn
+    assert "Error by rank, 2D" in drawn
 
 
-def test_kamali_prints_and_writes(walk: Path, tmp_path: Path, command: Command):
-    record = tmp_path / "kamali.json"
+def test_kamali_prints_writes_and_draws(walk: Path, tmp_path: Path, command: Command):
+    record, page = tmp_path / "kamali.json", tmp_path / "kamali.html"
     words = (
         *("--scenarios", "", "--markers", 11, "--methods", "gslr,svt", "--weights", 0.1),
-        *("--masks", 2, "--sweep-masks", 1, "--cycles", 2, "--json", record),
+        *("--masks", 2, "--sweep-masks", 1, "--cycles", 2, "--json", record, "--picture", page),
     )
     ended = command("evaluate", "kamali", walk, *words)
     assert ended.code == 0, ended.err
@@ -45,6 +51,7 @@ def test_kamali_prints_and_writes(walk: Path, tmp_path: Path, command: Command):
     assert [cell["method"] for cell in written["cells"]] == ["gslr", "svt"]
     assert all(f"{cell['mean_mm']:.2f}" in ended.out for cell in written["cells"])
     assert "walk.c3d" in ended.out
+    assert "walk.c3d, 11 markers" in page.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,7 @@ from markermend_app.cli.experiments.shared import (
     work_arguments,
     write_json,
 )
+from markermend_app.cli.picture import picture_argument, write_picture
 from markermend_app.cli.terminal import say
 
 TREADMILLS = ("treadmill-slow", "treadmill", "treadmill-fast")
@@ -46,6 +47,7 @@ def arguments(experiments: Any) -> None:
         "--figures", type=words, default=(), metavar="A,B", help='only these, e.g. "Table 1"'
     )
     work_arguments(li)
+    picture_argument(li)
     lacking(li)
 
     kamali = experiments.add_parser(
@@ -73,6 +75,7 @@ def arguments(experiments: Any) -> None:
         "--cycle", type=float, metavar="S", help="length of a cycle (default: estimated)"
     )
     work_arguments(kamali)
+    picture_argument(kamali)
     lacking(kamali)
 
 
@@ -95,6 +98,11 @@ def run_li(options: argparse.Namespace) -> None:
     if result.projected:
         say(f"Two dimensions: {result.projected}.")
     write_json(options.json, result.to_json())
+    if options.picture:
+        from markermend_app.plots import completion
+
+        source = ", ".join(path.name for path in options.takes)
+        write_picture(options.picture, completion.li(result, source))
 
 
 def run_kamali(options: argparse.Namespace) -> None:
@@ -120,6 +128,10 @@ def run_kamali(options: argparse.Namespace) -> None:
     )
     _show(result.tables())
     write_json(options.json, result.to_json())
+    if options.picture:
+        from markermend_app.plots import gait
+
+        write_picture(options.picture, gait.kamali(result))
 
 
 def _show(tables: Sequence[tuple[str, Sequence[str], Sequence[Sequence[str]]]]) -> None:
