@@ -239,6 +239,14 @@ HOSTILE = [
     "é́\u200b",
     "{0}%s%n",
 ]
+UNSEEN = {  # what cannot be seen in a label is left out when it is read
+    "\x1b[2J\x1b[31mred": "[2J [31mred",
+    "bell\x07back\x08": "bell back",
+    "line\nbreak\tand tab": "line break and tab",
+    "\u202egnol\u202c": "gnol",
+    "é́\u200b": "é́",
+}
+SHOWN = [UNSEEN.get(label, label) for label in HOSTILE]
 
 
 @pytest.fixture
@@ -267,19 +275,21 @@ def test_hostile_labels_cannot_steer_the_terminal(
     stay = [sentence for sentence in ended.warnings if " stays: " in sentence]
     assert len(stay) == len(HOSTILE)  # one line each, whatever is in the label
     stays = strict(report.read_text())["stays"]
-    assert [s["marker"] for s in stays] == HOSTILE
+    assert [s["marker"] for s in stays] == SHOWN
     table = command("detect", hostile_path, "--kinds", "gap").out
     assert "<img src=x onerror=alert(1)>" in table
-    assert "\\x1b[2J\\x1b[31mred" in table
-    assert "\\u202egnol" in table
+    assert "\n[2J [31mred " in table
+    assert "\ngnol " in table
     assert "קרסול" in table
     assert len(table.splitlines()) == len(HOSTILE) + 1 + 2
 
 
 @pytest.mark.parametrize("name", ["info", "detect"])
-def test_hostile_labels_come_out_whole_in_the_json(name: str, hostile_path: Path, command: Command):
+def test_hostile_labels_come_out_as_shown_in_the_json(
+    name: str, hostile_path: Path, command: Command
+):
     text = command(name, hostile_path, "--json").out
     assert text.isascii()
     record = strict(text)
     listed = record["gaps"] if name == "info" else record["findings"]
-    assert {one["marker"] for one in listed if one["start"] == 0} == set(HOSTILE)
+    assert {one["marker"] for one in listed if one["start"] == 0} == set(SHOWN)
