@@ -39,7 +39,7 @@ def render(desk: Desk) -> str:
         f'<div class="repairs"><div class="head"><h2>Repairs</h2>'
         f'<span class="push tool">{switch}</span>{busy}</div>'
         '<div class="repair-columns" aria-hidden="true"><span></span><span>Method</span>'
-        '<span class="wide">Expected error here, mm</span><span>Edge mm</span>'
+        '<span class="wide">Expected here, mm</span><span>Edge mm</span>'
         "<span>Cluster mm</span><span>New</span><span>Time s</span></div>"
         '<div class="list" role="group" aria-label="Repairs" '
         f'data-steady="{escape(desk.selected)}">{rows}</div></div>'
