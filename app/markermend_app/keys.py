@@ -117,7 +117,7 @@ COMMANDS: dict[str, str] = {
     "practise_next": "exercise: the next one, for the weakest kind",
     "practise_leave": "exercise: leave it without a grade",
     "feedback": "exercise: what was right and what was not",
-    "second": "second review of this take by somebody else, blinded",
+    "second": "second review of this take, blinded: ask for one, or make it",
     "agreement": "compare all reviews of this take",
     "adjudicate": "adjudicate the reviews that were compared",
 }

@@ -20,6 +20,7 @@ from markermend_app.plots.archive_page import archive_page
 from markermend_app.state.archive import Archive, find_archive
 from markermend_app.state.desk import Desk
 from markermend_app.state.intents import perform
+from markermend_app.state.reach import Reach
 from markermend_app.state.workspace import Workspace
 from markermend_app.views import dialogs, dialogs_takes
 
@@ -154,6 +155,10 @@ def test_the_archive_opens_as_a_dialog_and_a_take_in_it_by_a_click(archive: tupl
     desk = Desk(workspace, ticks)
     try:
         perform(desk, "archive")
+        assert str(folder) in Seen(dialogs.render(desk)).text
+        workspace.reach = Reach(folder)  # as on a lab's server
+        assert str(folder) not in Seen(dialogs.render(desk)).text
+        workspace.reach = None
         buttons = Seen(dialogs.render(desk)).all("button")
         paths = [one["data-arg"] for one in buttons if one.get("data-do") == "open"]
         worst = str(folder / "sub" / "worse.npz")

@@ -16,6 +16,7 @@ from markermend_app.state.people import Person
 from markermend_app.state.together import Together
 from markermend_app.state.worker import Worker
 from markermend_app.state.workspace import Workspace
+from markermend_app.views import dialogs
 
 Sit = Callable[[str], Together]
 
@@ -116,14 +117,20 @@ def test_two_windows_that_decide_at_once_are_shown_and_settled(sit: Sit, way: st
 def test_a_second_review_is_asked_for_seen_and_answered(sit: Sit) -> None:
     anna = sit("anna")
     anna.reject()
+    perform(anna, "second")
+    assert 'data-do="second_request"' in dialogs.render(anna)
     perform(anna, "second_request", fields={"operator": "bo", "note": "for the paper"})
+    assert anna.dialog == ""
     assert anna.message == "bo will see that a second review is asked for."
     anna.close()
     bo = sit("bo")
-    assert bo.message == "anna asks for a second review of this take (for the paper)."
+    assert bo.message.startswith("anna asks for a second review of this take (for the paper);")
     store = bo.workspace.store
-    bo._hide_first()
-    assert bo.second == ("anna",)
+    perform(bo, "takes")
+    assert "anna asks: for the paper" in dialogs.render(bo)
+    bo.close_dialog()
+    perform(bo, "second")
+    assert (bo.second, bo.dialog) == (("anna",), "")
     bo.reject()
     bo.finish_second()
     assert requests(store) == ()

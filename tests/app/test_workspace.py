@@ -9,7 +9,7 @@ import pytest
 from markermend.errors import BadInput
 from markermend_app.state.desk import Desk
 from markermend_app.state.intents import perform
-from markermend_app.state.workspace import work_list
+from markermend_app.state.places import work_list
 
 from .conftest import Ticks, settle
 

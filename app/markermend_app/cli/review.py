@@ -65,7 +65,7 @@ def run(options: argparse.Namespace) -> None:
         if not path.exists():
             raise BadInput(f"There is no file {path}; give the path of a recording.")
     # The page asks for what later takes lack; the one it opens with is refused here and now.
-    from markermend_app.state.workspace import work_list
+    from markermend_app.state.places import work_list
 
     archive = None if options.blind else _archive(options)
     if archive is not None:

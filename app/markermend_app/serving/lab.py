@@ -27,9 +27,10 @@ from markermend_app.serving.login import Gate
 from markermend_app.serving.metrics import MeasuredStore, Metrics
 from markermend_app.serving.server import Serving, free_port, make
 from markermend_app.serving.session import visit
+from markermend_app.state.places import work_list
 from markermend_app.state.reach import Reach
 from markermend_app.state.turns import answer_first
-from markermend_app.state.workspace import Workspace, work_list
+from markermend_app.state.workspace import Workspace
 
 LOG = logging.getLogger(__name__)
 LOG_LINE = "%(asctime)s %(levelname)s %(name)s: %(message)s"

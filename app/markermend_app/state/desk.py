@@ -19,7 +19,8 @@ from markermend_app.state.deciding import Deciding
 from markermend_app.state.held import AS_DESIGNED
 from markermend_app.state.jobs import Ticket
 from markermend_app.state.looking import SIGNALS, VIEWS, ZOOMS
-from markermend_app.state.workspace import Opened, Takes
+from markermend_app.state.places import Takes
+from markermend_app.state.workspace import Opened
 
 __all__ = ["SIGNALS", "VIEWS", "ZOOMS", "Asked", "Desk"]
 
@@ -141,7 +142,8 @@ class Desk(Deciding):
     def show_takes(self) -> None:
         """Open the list of takes: those given, those in the folder, those opened before."""
         here = self.opened.take.source if self.opened else None
-        self.param.update(takes=self.workspace.takes(here.path if here else None), dialog="open")
+        known = self.workspace.takes(here.path if here else None, self.person.name)
+        self.param.update(takes=known, dialog="open")
 
     def receive(self, name: str, data: bytes) -> None:
         """Take in a file that was dropped on the page: it is kept beside the store, and opened."""

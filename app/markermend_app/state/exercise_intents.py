@@ -71,6 +71,6 @@ EXERCISE_INTENTIONS: Mapping[str, Callable[[Desk, Any, Fields], None]] = {
     }.items()
 }
 WITH_EXERCISE_DIALOG = {
-    "practise_begin", "practise_next", "finish", "feedback_look", "second_begin",
+    "practise_begin", "practise_next", "finish", "feedback_look", "second_begin", "second_request",
     "agreement_expert", "adjudicate",
 }  # fmt: skip

@@ -10,7 +10,7 @@ import param
 from markermend.errors import Conflict, MarkerMendError, StoreError, Taken
 from markermend.review.claims import FIRST, HEARTBEAT_S, Claim, claim, claimed, release, renew
 from markermend.review.conflicts import Way, resolve, sides
-from markermend.review.requests import answer, ask, requests
+from markermend.review.requests import Request, answer, ask, requests
 from markermend.review.session import Change, ReviewSession
 from markermend.review.store import new_token
 from markermend.review.triage import Triage
@@ -108,10 +108,20 @@ class Together(Comparing):
 
     # second reviews
 
+    def ask_second(self) -> None:
+        """Ask who reviews this take once more; begin at once where this person was asked to."""
+        if self.opened is None or self._stays():
+            return
+        if self._asked_of_me(self.opened.take.content_hash):
+            self._hide_first()
+        else:
+            super().ask_second()
+
     def request_second(self, asked_of: str = "", note: str = "") -> None:
         """Ask somebody, or anybody else, to review the take at hand once more, blinded."""
         if self.opened is None:
             return
+        self.close_dialog()
         take, name = self.opened.take.content_hash, asked_of.strip()[:80]
         try:
             ask(self.workspace.store, take, self.person.name, name or None, note=note.strip())
@@ -121,10 +131,16 @@ class Together(Comparing):
         self.fail(f"{name or 'Everybody else'} will see that a second review is asked for.")
 
     def _tell_of_requests(self, session: ReviewSession) -> None:
-        asked = requests(session.store, take=session.record.take, operator=self.person.name)
+        asked = self._asked_of_me(session.record.take)
         if asked and not self.message:
             why = f" ({asked[0].note})" if asked[0].note else ""
-            self.fail(f"{asked[0].asked_by} asks for a second review of this take{why}.")
+            self.fail(
+                f"{asked[0].asked_by} asks for a second review of this take{why}; the command "
+                "“second review” begins it, and hides the first until yours is finished."
+            )
+
+    def _asked_of_me(self, take: str) -> tuple[Request, ...]:
+        return requests(self.workspace.store, take=take, operator=self.person.name)
 
     def finish_second(self) -> None:
         """Finish the second review, and with it the requests for it."""

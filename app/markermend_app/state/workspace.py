@@ -3,7 +3,7 @@
 import logging
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -12,7 +12,6 @@ from pathlib import Path
 
 from markermend import body, detection, io
 from markermend.errors import BadInput, StoreError
-from markermend.io.format import all_formats
 from markermend.model import Finding, Take
 from markermend.repairing import REPAIRS
 from markermend.review.session import ReviewSession
@@ -20,6 +19,7 @@ from markermend.review.store import Store
 from markermend.review.triage import Triage, learn
 from markermend_app.state import computing, keeping
 from markermend_app.state.archive import Archive
+from markermend_app.state.places import Takes, extensions, within_reach
 from markermend_app.state.reach import Reach
 from markermend_app.state.skeletons import Bone, by_labels
 from markermend_app.state.worker import Worker
@@ -50,38 +50,10 @@ class Opened:
         return self.take.source.path.name if self.take.source else "take"
 
 
-@dataclass(frozen=True)
-class Place:
-    """A take that can be opened: where it lies, and when it was last seen here."""
-
-    path: Path
-    seen: str = ""
-
-
-@dataclass(frozen=True)
-class Takes:
-    """What the dialog for opening lists.
-
-    Attributes
-    ----------
-    given
-        What was named on the command line, folders resolved: the work list.
-    beside
-        Other takes in the folder of the one at hand.
-    recent
-        Those opened before, the last first.
-    """
-
-    given: tuple[Place, ...]
-    beside: tuple[Place, ...]
-    recent: tuple[Place, ...]
-
-
 LOG = logging.getLogger(__name__)
 
 PATIENCE_S = 0.1
 """How often a search asks whether it is still wanted."""
-MOST_RECENT = 12
 MOST_LEARNT = 200
 MOST_DROPPED_BYTES = 512_000_000
 
@@ -285,23 +257,10 @@ class Workspace:
                 continue  # a newer version wrote it: nothing can be learnt from what is not read
         return learn(reviews)
 
-    def takes(self, here: Path | None) -> Takes:
-        """List what can be opened, seen from the folder of `here`."""
-        given = tuple(Place(path) for path in self.paths)
-        known = set(self.paths)
-        beside = () if here is None else tuple(
-            Place(path) for path in takes_in(here.parent)
-            if path not in known and self._shows(path)
-        )  # fmt: skip
-        recent = tuple(
-            Place(record.path, f"{record.last_seen.astimezone():%Y-%m-%d %H:%M}")
-            for record in self.store.takes(4 * MOST_RECENT)
-            if record.path is not None and self._shows(record.path) and record.path.exists()
-        )
-        return Takes(given, beside, recent[:MOST_RECENT])
-
-    def _shows(self, path: Path) -> bool:
-        return self.reach is None or self.reach.holds(path)
+    def takes(self, here: Path | None, operator: str) -> Takes:
+        """List what an operator can open, seen from the folder of `here`."""
+        shows = (lambda _: True) if self.reach is None else self.reach.holds
+        return within_reach(self.store, self.paths, shows, here, operator)
 
     def too_large(self, name: str, n_bytes: int) -> BadInput:
         """Say that a dropped file is too large."""
@@ -364,29 +323,3 @@ def _stamp(path: Path) -> tuple[int, int] | None:
     except (OSError, ValueError):  # there is none, or there cannot be one of that name
         return None
     return found.st_mtime_ns, found.st_size
-
-
-def extensions() -> tuple[str, ...]:
-    """Give the endings of the files that can be read."""
-    return tuple(dict.fromkeys(ext.lower() for f in all_formats() for ext in f.extensions))
-
-
-def takes_in(folder: Path) -> tuple[Path, ...]:
-    """Give the takes in a folder, by name; folders in it are not entered."""
-    known = extensions()
-    try:
-        found = [p for p in folder.iterdir() if p.suffix.lower() in known and p.is_file()]
-    except OSError:
-        return ()
-    return tuple(sorted(found, key=lambda p: p.name.lower()))
-
-
-def work_list(paths: Iterable[Path]) -> tuple[Path, ...]:
-    """Put the takes of each folder in its place; a folder that is itself a take stays.
-
-    The takes of a folder stand in the order of their names; folders in it are not entered.
-    """
-    found: list[Path] = []
-    for path in paths:
-        found += (takes_in(path) if path.is_dir() else ()) or (path,)
-    return tuple(dict.fromkeys(found))

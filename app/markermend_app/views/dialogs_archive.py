@@ -22,10 +22,12 @@ def overview(desk: Desk) -> str:
         here = opened is not None and opened.path == work.path(name)
         return button("open", html, classes="", arg=str(work.path(name)), key=False, current=here)
 
-    at = f"{work.seen.begun.astimezone():%Y-%m-%d %H:%M}"
+    at = f"looked at {work.seen.begun.astimezone():%Y-%m-%d %H:%M}"
+    if desk.workspace.reach is None:  # on a lab's server, where the archive lies is the lab's own
+        at = f"{escape(str(work.seen.folder))} · {at}"
     return (
         f'<header><h1 id="dialog-title">{escape(work.seen.folder.name)}</h1>'
-        f"<p>{escape(str(work.seen.folder))} · looked at {at}</p></header>"
+        f"<p>{at}</p></header>"
         f'<div class="body" tabindex="0">{archive.facts(work.seen)}'
         f"{archive_body(work.seen, door)}</div>"
         + footer(

@@ -5,7 +5,7 @@ from html import escape
 from markermend.model import short
 from markermend_app.state.desk import Desk
 from markermend_app.state.exporting import Plan
-from markermend_app.state.workspace import Place
+from markermend_app.state.places import Place
 from markermend_app.style.kinds import glyph
 from markermend_app.views.markup import button, closing, footer, icon, number
 
@@ -17,6 +17,7 @@ def choose(desk: Desk) -> str:
     sections = "".join(
         f"<h2>{words}</h2>{''.join(_place(place, desk) for place in places)}"
         for words, places in (
+            ("Second review asked for", takes.asked),
             ("Work list", takes.given),
             ("In the same folder", takes.beside),
             ("Opened before", takes.recent),
@@ -49,7 +50,7 @@ def _place(place: Place, desk: Desk) -> str:
     return button(
         "open",
         f"<span>{escape(place.path.name)}</span>"
-        f'<span class="quiet">{escape(place.seen or str(place.path.parent))}</span>',
+        f'<span class="quiet">{escape(place.why or str(place.path.parent))}</span>',
         classes="",
         arg=str(place.path),
         key=False,

@@ -145,15 +145,19 @@ def finish(desk: Comparing) -> str:
 
 
 def second(desk: Comparing) -> str:
-    """Ask who reviews the take once more."""
+    """Ask who reviews the take once more: later, or at this desk at once."""
     return (
         '<header><h1 id="dialog-title">Second review, blinded</h1><p>The same findings; what '
         f"{escape(desk.person.name)} decided is hidden until the second review is finished.</p>"
         '</header><div class="body"><label>Second reviewer<input type="text" name="operator" '
-        'data-autofocus spellcheck="false" autocomplete="off"></label></div>'
+        'data-autofocus spellcheck="false" autocomplete="off"></label>'
+        '<label>Why, for a request<input type="text" name="note" autocomplete="off"></label>'
+        '<p class="quiet">A request stands first in the list of takes of whoever is named, or of '
+        "everybody else where nobody is.</p></div>"
         + footer(
             closing("Cancel"),
-            button("second_begin", "Begin<kbd>↵</kbd>", classes="deed primary", key=False),
+            button("second_request", "Request it", classes="deed", key=False),
+            button("second_begin", "Begin here<kbd>↵</kbd>", classes="deed primary", key=False),
         )
     )
 
