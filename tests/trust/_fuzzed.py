@@ -13,7 +13,9 @@ from pathlib import Path
 
 import atheris
 
-with atheris.instrument_imports(include=["markermend.io", "markermend.review.records"]):
+with atheris.instrument_imports(
+    include=["markermend.io", "markermend.recipes", "markermend.review.records"]
+):
     import markermend.io
     import markermend.io.formats.c3d
     import markermend.io.formats.motive_csv
@@ -23,6 +25,7 @@ with atheris.instrument_imports(include=["markermend.io", "markermend.review.rec
     import markermend.io.formats.plain_csv
     import markermend.io.formats.qtm_tsv
     import markermend.io.formats.trc
+    import markermend.recipes
     import markermend.review.decisions
 
 import numpy as np
@@ -43,7 +46,7 @@ _WORDS = (
     "DATA_INCLUDED", "FREQUENCY", "PathFileType", "Frame#", "DataRate", "Units", "Trajectories",
     "Sub Frame", "Format Version", "Position", "pose_keypoints_2d", "people", "POINT", "LABELS",
     "USED", "SCALE", "FRAMES", "DATA_START", "positions", "-TX", "-TY", "-TZ", "findings",
-    "verdict", "accepted", "null", "1e999",
+    "verdict", "accepted", "null", "1e999", "sensitivity", "repair", "kinds", "parameters",
 )  # fmt: skip
 
 
@@ -51,6 +54,9 @@ def target(name: str, folder: Path) -> Callable[[bytes], object]:
     """Give what is done with one input."""
     if name == "decisions":
         return markermend.review.decisions.parse_decisions
+    if name == "recipe":
+        file = folder / "recipe.json"
+        return lambda data: (file.write_bytes(data), markermend.recipes.read_recipe(file))
     format_ = next(f for f in all_formats() if f.name == name)
     path = folder / f"input{format_.extensions[0]}"
 

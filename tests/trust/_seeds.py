@@ -8,10 +8,12 @@ from pathlib import Path
 import numpy as np
 from tests.trust._frame import recordings
 
+from markermend.batch.policy import Policy, Rule
 from markermend.errors import MarkerMendError
 from markermend.io.c3d_layout import layout_in
 from markermend.io.format import all_formats, format_of
 from markermend.model import Event, Finding, Span, Take
+from markermend.recipes import Recipe
 from markermend.review import Accept, Annotate, Merge, MoveEdges, Reject, Review, Split
 from markermend.review.decisions import decisions_on
 
@@ -50,9 +52,12 @@ def small_take(n_frames: int = 6, n_dims: int = 3) -> Take:
 
 
 def seeds(name: str) -> Iterator[bytes]:
-    """Yield the seeds of a format, or of ``"decisions"`` or ``"exercise"``."""
+    """Yield the seeds of a format, or of ``"decisions"`` or ``"recipe"``."""
     if name == "decisions":
         yield decisions()
+        return
+    if name == "recipe":
+        yield recipe()
         return
     yield from (_cut(path, name) for path in recordings() if _is(path, name))
     writer = next(f.write for f in all_formats() if f.name == name)
@@ -83,6 +88,15 @@ def decisions() -> bytes:
         review = command.apply(review)
     text = json.dumps(decisions_on(take, review).to_json())
     return text.encode()
+
+
+def recipe() -> bytes:
+    """Give the file of a recipe that says something of everything."""
+    whole = Recipe(
+        parameters={"peak": 8.0}, kinds=("gap", "peak"), sensitivity={"peak": 2.0}, note="gait",
+        policy=Policy({"gap": Rule("auto"), "peak": Rule("pchip", {"context": 12}, 5.0, 1.0)}),
+    )  # fmt: skip
+    return json.dumps(whole.to_json()).encode()
 
 
 def openpose(people: int, points: int) -> bytes:

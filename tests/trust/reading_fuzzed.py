@@ -16,10 +16,10 @@ from tests.trust._frame import ROOT, Budget, Outcome, Tally, child_environment
 
 MINUTES = 26.0
 INPUTS = 24_000
-"""Per target; with nine targets 216,000."""
+"""Per target; with ten targets 240,000."""
 TARGETS = (
     *("c3d", "trc", "qtm_tsv", "nexus_csv", "motive_csv", "plain_csv", "npz", "openpose"),
-    "decisions",
+    *("decisions", "recipe"),
 )
 
 
