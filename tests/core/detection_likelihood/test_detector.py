@@ -244,6 +244,18 @@ def test_the_reach_tells_what_would_be_seen() -> None:
     assert [f.marker for f in slow] == ["m4"]
 
 
+@pytest.mark.parametrize(("shape", "called"), [("hump", []), ("triangle", ["m4"])])
+def test_a_short_hump_is_movement_and_the_shortest_slow_change_is_not(
+    shape: str, called: list[str]
+) -> None:
+    take = body()
+    x = np.array(take.positions)
+    bump = np.hanning(25) if shape == "hump" else 1 - np.abs(np.linspace(-1, 1, 35)[1:-1])
+    x[300 : 300 + len(bump), 4, 0] += 8 * bump
+    found = strong(scan(take.with_positions(x), "likelihood"))
+    assert [(f.marker, f.kind) for f in found] == [(m, "slow") for m in called]
+
+
 def test_the_check_without_a_model_confirms_what_jumps() -> None:
     jumps = star_jumps(spoilt())
     assert {(j.marker, j.frame) for j in jumps} >= {("m3", 150), ("m3", 200), ("m11", 520)}

@@ -1,6 +1,5 @@
 """Slow changes: triangles that the neighbours' prediction cannot explain."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -16,7 +15,7 @@ from markermend.model import BoolArray, FloatArray
 
 # Frames at 100 Hz; `pace` is the rate over 100 Hz.
 LENGTHS = (33, 41, 51, 63, 79)
-_TOO_SHORT = 25  # what a triangle of this length explains better is no slow change
+_TOO_SHORT = 17  # what a triangle of this length explains better is movement
 _BOXES = (12, 20, 30, 45, 65)
 _AROUND = 50  # within these nothing much may be left
 _MOST_BOX = 1.0  # a box of any length that scores higher is no triangle
@@ -24,8 +23,6 @@ _MOST_LABELLED = 0.3
 _QUANTILE_POWER = 0.7
 _ONE_ARTEFACT = 100  # frames at 100 Hz on which one slow change raises the score
 _MASKED = 10  # frames beside a triangle in which no second one is looked for
-_ORDINARY = 1.5  # candidates a marker and minute that movement alone is taken to make
-_ENOUGH = 10  # fewer are no distribution: a short take's candidates may all be artefacts
 _BASE = 5  # frames beside a triangle that must be recorded: without a base it is any drift
 _ECHO = 0.6  # a score that falls below this share was an echo
 
@@ -172,12 +169,8 @@ def find_slow(
     threshold: float,
     least_mm: float,
     pace: float,
-) -> tuple[list[Candidate], float]:
+) -> list[Candidate]:
     """Triangles that stand out, leave little behind when taken out, and are no echo.
-
-    Artefacts are few. Where ordinary candidates, so many a minute that they must be movement, have
-    a value above 1, the threshold grows in proportion, which keeps false alarms as rare in a fast
-    take as in a calm one.
 
     Parameters
     ----------
@@ -197,10 +190,6 @@ def find_slow(
         Smallest amplitude.
     pace
         Rate over 100 Hz.
-
-    Returns
-    -------
-    The candidates, and the threshold that was applied.
     """
     u = triangles.score / scale
     kept: list[Hill] = []
@@ -222,17 +211,9 @@ def find_slow(
             kept.remove(rival)
         if wins:
             kept.append(hill)
-    minutes = u.shape[1] / (6000.0 * pace)
-    rank = max(1, math.ceil(_ORDINARY * len(u) * minutes))
-    values = sorted((h.value for h in kept), reverse=True)
-    known = _ENOUGH <= rank <= len(values)
-    applied = threshold * max(1.0, values[rank - 1] if known else 0.0)
-    strengths = [(h, h.value / applied) for h in kept]
     return [
-        Candidate("slow", h.marker, h.start, h.stop, strength, h.value)
-        for h, strength in strengths
-        if strength >= LEAST
-    ], applied
+        Candidate("slow", h.marker, h.start, h.stop, h.value / threshold, h.value) for h in kept
+    ]
 
 
 def _hills(

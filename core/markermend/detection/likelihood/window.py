@@ -260,7 +260,7 @@ def _slow(
     covariates = (mates + 5.0, leverage + 1e-4, usual + 0.2)
     typical = learnt_scale(best.score, covariates, valid & good)
     scale = slow.held_back(best.score, typical, valid, pace)
-    found, threshold = slow.find_slow(
+    found = slow.find_slow(
         whitened,
         scale,
         best,
@@ -272,4 +272,4 @@ def _slow(
         settings.least_slow,
         pace,
     )
-    return found, slow.needed(whitened, scale, threshold, pace)
+    return found, slow.needed(whitened, scale, settings.slow, pace)
