@@ -12,7 +12,7 @@ from markermend import io
 from markermend.errors import BadInput
 from markermend.io.jsontext import json_text
 from markermend.model import KINDS, Take
-from markermend_app.cli.terminal import say, sentence
+from markermend_app.cli.terminal import plain, say, sentence
 
 __all__ = [
     "hertz",
@@ -26,6 +26,9 @@ __all__ = [
     "warn",
     "whole",
 ]  # fmt: skip
+
+_SHORT_S = 0.5
+_LARGE_BYTES = 20_000_000  # about a second to read
 
 
 def take_argument(parser: argparse.ArgumentParser) -> None:
@@ -83,13 +86,19 @@ def whole(least: int, most: int) -> Callable[[str], int]:
 
 
 def read(path: Path, options: argparse.Namespace) -> Take:
-    """Read a take with the options of `lacking` and print its warnings."""
-    take = io.read(
-        path,
-        units=options.units,
-        rate=options.rate,
-        ignore_residuals=options.ignore_residuals,
-    )
+    """Read a take with the options of `lacking` and print its warnings.
+
+    A terminal says what is being read while a large file is: how far, no reader tells.
+    """
+    quick = not path.is_file() or path.stat().st_size < _LARGE_BYTES
+    silent = quick or not sys.stderr.isatty()
+    with tqdm(desc=f"Reading {plain(path.name)}", bar_format="{desc}", disable=silent, leave=False):
+        take = io.read(
+            path,
+            units=options.units,
+            rate=options.rate,
+            ignore_residuals=options.ignore_residuals,
+        )
     warn(take.warnings)
     return take
 
@@ -112,8 +121,11 @@ def kinds(text: str) -> tuple[str, ...]:
 
 
 def progress(total: int, what: str) -> Callable[[int], None]:
-    """Give a function that moves a progress bar on a terminal, and nothing elsewhere."""
-    bar = tqdm(total=total, desc=what, disable=not sys.stderr.isatty(), leave=False)
+    """Give a function that moves a progress bar on a terminal, and nothing elsewhere.
+
+    What is over at once shows none.
+    """
+    bar = tqdm(total=total, desc=what, disable=not sys.stderr.isatty(), leave=False, delay=_SHORT_S)
 
     def move(done: int) -> None:
         bar.update(done - bar.n)

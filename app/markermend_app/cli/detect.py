@@ -6,6 +6,7 @@ from dataclasses import asdict
 from markermend import detection
 from markermend.detection.record import detection_record
 from markermend_app.cli.common import json_text, kinds, read, take_argument
+from markermend_app.cli.experiments.shared import bar
 from markermend_app.cli.recipe import recipe_arguments, recipe_asked_for
 from markermend_app.cli.terminal import plain, put, say
 
@@ -36,10 +37,13 @@ def run(options: argparse.Namespace) -> None:
     recipe = recipe_asked_for(options)
     take = read(options.take, options)
     if recipe is None:
-        found = detection.detect(take, options.detector, kinds=wanted)
+        found = detection.detect(take, options.detector, kinds=wanted, progress=bar("Detecting"))
     else:
-        found = tuple(f for f in recipe.detect(take) if wanted is None or f.kind in wanted)
-    reach = detection.smallest_slow_changes(take) if options.reach else ()
+        everything = recipe.detect(take, bar("Detecting"))
+        found = tuple(f for f in everything if wanted is None or f.kind in wanted)
+    reach: tuple[detection.Reach, ...] = ()
+    if options.reach:
+        reach = detection.smallest_slow_changes(take, progress=bar("Looking how small"))
     if options.json:
         record = detection_record(take, options.take.name, found)
         if options.reach:

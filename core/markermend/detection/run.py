@@ -1,8 +1,10 @@
 """Run detectors on takes."""
 
+import inspect
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from markermend.detection.progress import Progress, unheard
 from markermend.errors import UnknownName
 from markermend.model import KINDS, Finding, Kind, Take
 from markermend.params import checked
@@ -18,6 +20,7 @@ def detect(
     *,
     kinds: Iterable[str] | None = None,
     sensitivity: Mapping[str, float] | float = 1.0,
+    progress: Progress = unheard,
     **parameters: Any,
 ) -> tuple[Finding, ...]:
     """Find what an operator should look at, in the order of markers and time.
@@ -32,6 +35,8 @@ def detect(
         The kinds wanted; by default all five.
     sensitivity
         1 as designed; 2 keeps findings at half the threshold. One number, or one per kind.
+    progress
+        Called with how much is done, and of how much, by detectors that can tell.
     **parameters
         Parameters of the detector.
 
@@ -46,7 +51,7 @@ def detect(
     )
     return tuple(
         finding
-        for finding in scan(take, detector, kinds=wanted, **parameters)
+        for finding in scan(take, detector, kinds=wanted, progress=progress, **parameters)
         if finding.strength * per_kind.get(finding.kind, 1.0) >= 1.0
     )
 
@@ -56,6 +61,7 @@ def scan(
     detector: str = DEFAULT,
     *,
     kinds: Iterable[str] | None = None,
+    progress: Progress = unheard,
     **parameters: Any,
 ) -> tuple[Finding, ...]:
     """Find all candidates, also those below their thresholds (``strength`` < 1).
@@ -65,7 +71,8 @@ def scan(
     wanted = _kinds(kinds)
     method = DETECTORS.get(detector)
     checked(method.function, parameters)
-    found: Sequence[Finding] = method(take, **parameters) if set(wanted) - {"gap"} else ()
+    heard = (progress,) if "progress" in inspect.signature(method.function).parameters else ()
+    found: Sequence[Finding] = method(take, *heard, **parameters) if set(wanted) - {"gap"} else ()
     order = {label: i for i, label in enumerate(take.labels)}
     return tuple(
         sorted(

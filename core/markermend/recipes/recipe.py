@@ -12,6 +12,7 @@ from markermend import detection
 from markermend.batch.policy import Policy, policy_from_json
 from markermend.batch.settings import Settings
 from markermend.detection import DETECTORS
+from markermend.detection.progress import Progress, unheard
 from markermend.errors import BadInput, UnknownName
 from markermend.io.disk import write_whole
 from markermend.io.jsontext import json_text
@@ -82,13 +83,14 @@ class Recipe:
         object.__setattr__(self, "parameters", MappingProxyType(given))
         object.__setattr__(self, "sensitivity", MappingProxyType(dict(self.sensitivity)))
 
-    def detect(self, take: Take) -> tuple[Finding, ...]:
-        """Find in a take what this recipe looks for."""
+    def detect(self, take: Take, progress: Progress = unheard) -> tuple[Finding, ...]:
+        """Find in a take what this recipe looks for; `progress` as for `detection.detect`."""
         return detection.detect(
             take,
             self.detector,
             kinds=self.kinds,
             sensitivity=self.sensitivity,
+            progress=progress,
             **self.parameters,
         )
 

@@ -10,6 +10,7 @@ from markermend.detection.likelihood.calibration import probability
 from markermend.detection.likelihood.sharp import Candidate
 from markermend.detection.likelihood.swaps import LEAST_MM, Swap
 from markermend.detection.likelihood.window import SHORTEST, Scan, Settings, scan_window
+from markermend.detection.progress import Progress, unheard
 from markermend.model import AXES, Evidence, Finding, FloatArray, Span, Take
 
 _WINDOW = 2700  # frames: longer takes go in pieces, so time and memory stay linear
@@ -46,9 +47,11 @@ class Piece:
     scan: Scan
 
 
-def scanned(take: Take, settings: Settings) -> Iterator[Piece]:
-    """Scan the take window by window; one is held at a time."""
-    for start, stop, low, high in _windows(take.n_frames, settings.pace):
+def scanned(take: Take, settings: Settings, progress: Progress = unheard) -> Iterator[Piece]:
+    """Scan the take window by window; one is held at a time, and `progress` hears of each."""
+    windows = _windows(take.n_frames, settings.pace)
+    for done, (start, stop, low, high) in enumerate(windows):
+        progress(done, len(windows))
         part = take.positions[start:stop, take.measured]
         shown = np.flatnonzero(np.isfinite(part[:, :, 0]).sum(0) >= SHORTEST)
         if stop - start < SHORTEST or not len(shown):
@@ -58,12 +61,13 @@ def scanned(take: Take, settings: Settings) -> Iterator[Piece]:
         points[np.isnan(points[:, :, 0])] = np.nan
         labels = tuple(take.labels[take.measured[i]] for i in shown)
         yield Piece(start, low, high, labels, points, scan_window(points, settings))
+    progress(len(windows), len(windows))
 
 
-def detect_all(take: Take, settings: Settings) -> tuple[Finding, ...]:
+def detect_all(take: Take, settings: Settings, progress: Progress = unheard) -> tuple[Finding, ...]:
     """Scan the take in overlapping windows; each finding counts in the window that owns it."""
     findings: list[Finding] = []
-    for piece in scanned(take, settings):
+    for piece in scanned(take, settings, progress):
         made = [_finding(c, piece, take) for c in piece.scan.candidates]
         for swap in piece.scan.swaps:
             made += _swapped(swap, piece, take)

@@ -6,6 +6,7 @@ import numpy as np
 
 from markermend.detection.likelihood.findings import scanned
 from markermend.detection.likelihood.window import Settings
+from markermend.detection.progress import Progress, unheard
 from markermend.model import FloatArray, Take
 
 
@@ -28,7 +29,9 @@ class Reach:
     fast_mm: float
 
 
-def smallest_slow_changes(take: Take, settings: Settings | None = None) -> tuple[Reach, ...]:
+def smallest_slow_changes(
+    take: Take, settings: Settings | None = None, progress: Progress = unheard
+) -> tuple[Reach, ...]:
     """Tabulate the reach of the slow stage, for the markers that it looks at.
 
     Parameters
@@ -37,6 +40,8 @@ def smallest_slow_changes(take: Take, settings: Settings | None = None) -> tuple
         The take.
     settings
         As the detector is run with; by default as designed.
+    progress
+        Called with the number of windows done and of all.
 
     Returns
     -------
@@ -45,7 +50,7 @@ def smallest_slow_changes(take: Take, settings: Settings | None = None) -> tuple
     """
     settings = settings or Settings(take.rate)
     needed: dict[str, list[FloatArray]] = {}
-    for piece in scanned(take, settings):
+    for piece in scanned(take, settings, progress):
         if piece.scan.needed is not None:
             for label, row in zip(piece.labels, piece.scan.needed, strict=True):
                 needed.setdefault(label, []).append(row[::4])

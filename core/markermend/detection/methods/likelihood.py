@@ -4,6 +4,7 @@ from typing import Annotated
 
 from markermend.detection.likelihood.findings import detect_all
 from markermend.detection.likelihood.window import Settings
+from markermend.detection.progress import Progress, unheard
 from markermend.model import Finding, Take
 from markermend.params import Within
 from markermend.registry import method
@@ -19,6 +20,7 @@ _SCALES = "noise scales"
 )
 def likelihood(
     take: Take,
+    progress: Progress = unheard,
     *,
     peak: Annotated[float, Within(2, 50, _SCALES)] = Settings.peak,
     noise: Annotated[float, Within(0.2, 20, "times the usual evidence")] = Settings.noise,
@@ -42,6 +44,8 @@ def likelihood(
     ----------
     take
         The take; only its measured markers are looked at.
+    progress
+        Called with the number of windows done and of all.
     peak
         Score that a peak has to pass.
     noise
@@ -49,8 +53,7 @@ def likelihood(
     step
         Score that the weaker edge of a step has to pass.
     slow
-        Score, over the scale learnt from the take, that a slow change has to pass; more where
-        movement alone often reaches half of it.
+        Score, over the scale learnt from the take, that a slow change has to pass.
     least_slow
         Slow changes of a smaller amplitude are not reported.
     floor
@@ -63,4 +66,4 @@ def likelihood(
         ``group`` with it. Takes of fewer than 32 frames give none.
     """
     settings = Settings(take.rate, peak, noise, step, slow, least_slow, floor)
-    return detect_all(take, settings)
+    return detect_all(take, settings, progress)

@@ -2,6 +2,7 @@
 
 from typing import Annotated
 
+from markermend.detection.progress import Progress, unheard
 from markermend.detection.published import Settings, run
 from markermend.model import Finding, Take
 from markermend.params import OneOf, Within
@@ -20,6 +21,7 @@ _AT_100 = "frames at 100 Hz"
 )
 def published(
     take: Take,
+    progress: Progress = unheard,
     *,
     peak_window: Annotated[int, Within(5, 201, _AT_100)] = 19,
     peak_k: Annotated[float, Within(0.5, 50, _SD)] = 7.0,
@@ -52,6 +54,8 @@ def published(
     ----------
     take
         The take.
+    progress
+        Called with the number of markers done and of all, each counted twice.
     peak_window
         Window of the moving median that stands for legitimate motion (Eq. 18).
     peak_k
@@ -142,4 +146,4 @@ def published(
         epochs=epochs,
         as_printed=as_printed,
     )
-    return run(take, settings)
+    return run(take, settings, progress)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from markermend.body import Body, infer
+from markermend.detection.progress import Progress, unheard
 from markermend.detection.published import stages
 from markermend.detection.published.interpolate import interpolated
 from markermend.detection.published.merge import findings
@@ -19,25 +20,32 @@ BLOCK = 2_000_000
 EVIDENCE_S = 0.5
 
 
-def run(take: Take, settings: Settings) -> list[Finding]:
+def run(take: Take, settings: Settings, progress: Progress = unheard) -> list[Finding]:
     """Find peaks, heavy noise, steps and slow changes on the measured markers of a take.
+
+    `progress` hears of markers, each of which counts twice.
 
     Linear algebra runs in one thread, since rounding must not depend on the number of threads.
     """
     with threadpool_limits(1):
-        return _run(take, settings)
+        return _run(take, settings, progress)
 
 
-def _run(take: Take, settings: Settings) -> list[Finding]:
+def _run(take: Take, settings: Settings, progress: Progress) -> list[Finding]:
     markers = np.array([m for m in take.measured if take.seen[:, m].any()], np.intp)
     clean = take.positions.copy()
     trusted = np.zeros(take.positions.shape, bool)
     found: list[Finding] = []
     size = max(1, BLOCK // (take.n_frames * take.n_dims))
+    done = 0  # each marker counts once for the sudden stages, and once for the slow one
     for block in (markers[at : at + size] for at in range(0, len(markers), size)):
         some, clean[:, block], trusted[:, block] = _sharp(take, block, settings)
         found += some
+        done += len(block)
+        progress(done, 2 * len(markers))
     for marker, predicted in _predictions(infer(take), markers, clean, trusted, settings):
+        done += 1
+        progress(done, 2 * len(markers))
         stage = stages.slow_changes(clean[:, marker] - predicted, trusted[:, marker], settings)
         found += _findings(take, stage, predicted, trusted[:, marker], np.array([marker]))
     return found
