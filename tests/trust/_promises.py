@@ -37,10 +37,6 @@ REPAIRS["rigid"] = REPAIRS["circular"] | {
 
 NEAR_MM = 1e-3
 """How near two repairs must be that a law says are equal."""
-LESS_NEAR_MM = {
-    # Turned takes gave up to 0.005 mm in 20; which step of the mixing it comes from is not known.
-    "auto": 0.02,
-}
 
 DETECTORS: dict[str, dict[str, str]] = {
     "shift": {},

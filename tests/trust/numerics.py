@@ -98,8 +98,7 @@ def _differs(case: Case, name: str, law: str) -> str:
     if wanted is None or other is None:
         return "" if wanted is other else f"{name}: refuses one of the two"
     off = float(np.abs(wanted - other).max())
-    near = _promises.LESS_NEAR_MM.get(name, _promises.NEAR_MM)
-    return f"{name} at {case.span}: off by {off:.2g} mm" if not off <= near else ""
+    return f"{name} at {case.span}: off by {off:.2g} mm" if not off <= _promises.NEAR_MM else ""
 
 
 def _in_metres(take: Take) -> Take:

@@ -16,7 +16,7 @@ from markermend.repairing.trust import REFERENCE, SLOW, Bench, Trust
 
 EXACT = "swap"
 """The method that, where it applies, gives back what was recorded."""
-HOPELESS = 3.0
+HOPELESS = 2.0
 """Methods that expect so many times the error of AUTO are not shown to the detector."""
 
 

@@ -9,6 +9,7 @@ from markermend.body import Body, infer
 from markermend.errors import CannotRepair
 from markermend.model import BoolArray, FloatArray, Take
 from markermend.repairing.geometry import distance_spread
+from markermend.repairing.remembering import remembered
 from markermend.repairing.window import Window
 
 COUNT = 10
@@ -38,6 +39,7 @@ class Neighbourhood:
     body: Body
 
 
+@remembered
 def neighbourhood(cut: Window) -> Neighbourhood:
     """Gather the neighbours that are seen from edge to edge of the gap.
 

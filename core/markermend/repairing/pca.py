@@ -6,6 +6,7 @@ import numpy as np
 
 from markermend.errors import CannotRepair
 from markermend.model import BoolArray, FloatArray
+from markermend.repairing.remembering import remembered
 from markermend.repairing.window import Window
 
 
@@ -21,11 +22,15 @@ class Settings:
         Weight of the markers to be filled.
     cumulative
         Share of the sum of singular values that the components kept must reach.
+    by_axis
+        Whether each axis of a marker is scaled to unit variance by itself, as in the paper, or all
+        axes of it by one number, so that the result turns with the room.
     """
 
     sigma: float = 200.0
     own_weight: float = 0.02
     cumulative: float = 0.99
+    by_axis: bool = True
 
 
 def centred(cut: Window) -> FloatArray:
@@ -105,7 +110,10 @@ def reconstruct(
     mean = full.mean(axis=0)
     full = full - mean
     gram = full.T @ full
-    spread = np.sqrt(np.diag(gram) / len(full))
+    variance = np.diag(gram) / len(full)
+    if not settings.by_axis:
+        variance = np.repeat(variance.reshape(-1, n_dims).mean(axis=1), n_dims)
+    spread = np.sqrt(variance)
     scale = weights / np.where(spread > 0, spread, 1.0)
     gram *= scale[:, None] * scale
     basis, size = _components(gram)
@@ -148,6 +156,7 @@ def fill_r1(cut: Window, settings: Settings) -> FloatArray:
     return np.asarray(filled[:, marker] + middle[frames])
 
 
+@remembered
 def fill_r2(cut: Window, settings: Settings, reach: float) -> FloatArray:
     """Fill the span by strategy R2: other gapped markers help where they are near and seen.
 

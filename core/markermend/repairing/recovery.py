@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from markermend.errors import CannotRepair
 from markermend.model import FloatArray
 from markermend.repairing.pca import Settings, centred, fill_r2
+from markermend.repairing.remembering import remembered
 from markermend.repairing.smoothing import smooth_runs
 from markermend.repairing.triads import Triad, keep_distances, triad
 from markermend.repairing.window import Window
@@ -36,12 +37,16 @@ class Recovery:
         Width of the neural network's kernel, in standard deviations.
     loosest
         Largest variation of the distance, in mm, with which a marker enters the global model.
+    by_axis
+        Whether medians and unit variances are taken axis by axis, as in the paper; if not, the
+        result turns with the room.
     """
 
     smoothing_s: float = 0.07
     quantile: float = 0.01
     spread: float = 0.3
     loosest: float = 1000.0
+    by_axis: bool = True
 
 
 Model = Callable[[Triad, Recovery], FloatArray]
@@ -59,7 +64,7 @@ def recover(cut: Window, models: Sequence[Model], settings: Recovery) -> FloatAr
     CannotRepair
         If there are too few references, or no model applies.
     """
-    place = triad(cut, settings.smoothing_s)
+    place = triad(cut, settings.smoothing_s, settings.by_axis)
     found, refusals = [], []
     for model in models:
         try:
@@ -69,26 +74,28 @@ def recover(cut: Window, models: Sequence[Model], settings: Recovery) -> FloatAr
     if not found:
         raise refusals[0]
     references = cut.positions[place.stretch][:, place.references]
-    points = found[0] if len(found) == 1 else average(place, found, references)
+    points = found[0] if len(found) == 1 else average(place, found, references, settings.by_axis)
     known = place.distances[np.isfinite(place.distances).all(axis=1)]
     usual = np.quantile(known, [settings.quantile, 1 - settings.quantile], axis=0, method="hazen")
-    return _smoothed(place, keep_distances(points, references, usual))
+    return _smoothed(place, keep_distances(points, references, usual), settings.by_axis)
 
 
-def _smoothed(place: Triad, points: FloatArray) -> FloatArray:
+def _smoothed(place: Triad, points: FloatArray, by_axis: bool) -> FloatArray:
     reach = 2 * place.width
     near = slice(max(0, place.stretch.start - reach), place.stretch.stop + reach)
     curve = place.cut.own[near].copy()
     start = place.stretch.start - near.start
     curve[start : start + place.size] = points
-    return place.inner(smooth_runs(curve, place.width)[start : start + place.size])
+    return place.inner(smooth_runs(curve, place.width, by_axis)[start : start + place.size])
 
 
-def average(place: Triad, found: Sequence[FloatArray], references: FloatArray) -> FloatArray:
+def average(
+    place: Triad, found: Sequence[FloatArray], references: FloatArray, by_axis: bool
+) -> FloatArray:
     """Weight curves, frame by frame, by the density of their distances to the references."""
     known = place.distances[np.isfinite(place.distances).all(axis=1)]
     samples = known[_some(len(known), DENSITY_FRAMES)]
-    curves = [smooth_runs(curve, place.width) for curve in found]
+    curves = [smooth_runs(curve, place.width, by_axis) for curve in found]
     width = min(place.width, 2 * ((place.size - 2) // 4) + 1)
     weights = []
     for curve in curves:
@@ -114,6 +121,7 @@ def _some(n: int, enough: int) -> NDArray[np.intp]:
     return np.unique(np.linspace(0, n - 1, min(n, enough)).round().astype(np.intp))
 
 
+@remembered
 def interpolate_locally(place: Triad, settings: Recovery) -> FloatArray:
     """LI: a straight line in the local frame."""
     if not (place.before or place.after):
@@ -151,6 +159,7 @@ def _trained_on(
     return frames[_some(len(frames), enough)]
 
 
+@remembered
 def regress_locally(place: Triad, settings: Recovery) -> FloatArray:
     """LPR: a polynomial of second degree in the shape of the references' triangle."""
     x = _local_features(place)
@@ -164,6 +173,7 @@ def regress_locally(place: Triad, settings: Recovery) -> FloatArray:
     return place.axes.to_world(place.ramped(predicted, place.local))
 
 
+@remembered
 def regress_by_kernel(place: Triad, settings: Recovery) -> FloatArray:
     """LGRNN: the mean of what was seen while the triangle looked alike (Specht 1991)."""
     features = _standardised(_local_features(place))
@@ -176,6 +186,7 @@ def regress_by_kernel(place: Triad, settings: Recovery) -> FloatArray:
     return place.axes.to_world(place.ramped(predicted, place.local))
 
 
+@remembered
 def regress_globally(place: Triad, settings: Recovery) -> FloatArray:
     """GLR: linear regression on all markers whose distance varies little."""
     cut = place.cut
@@ -196,7 +207,7 @@ def regress_globally(place: Triad, settings: Recovery) -> FloatArray:
 def by_components(place: Triad, settings: Recovery) -> FloatArray:
     """WPCA: strategy R2 of Gløersen and Federolf, made to meet the edges."""
     cut = place.cut
-    filled = fill_r2(cut, Settings(), 0.5)
+    filled = fill_r2(cut, Settings(by_axis=settings.by_axis), 0.5)
     curve = cut.own[place.stretch].copy()
     start = cut.span.start - place.stretch.start
     curve[start : start + len(filled)] = filled

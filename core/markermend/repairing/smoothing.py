@@ -19,7 +19,7 @@ def odd_width(seconds: float, rate: float) -> int:
     return 2 * int(seconds * rate / 2.0) + 1
 
 
-def smooth_runs(values: FloatArray, width: int) -> FloatArray:
+def smooth_runs(values: FloatArray, width: int, median: bool = True) -> FloatArray:
     """Smooth by a moving median and then a moving mean, both symmetric about every frame.
 
     Near the ends of each seen run the window shrinks with the distance to the end; the last two
@@ -31,6 +31,9 @@ def smooth_runs(values: FloatArray, width: int) -> FloatArray:
         (n_frames, n_columns), NaN where not seen; a frame is seen in all columns or in none.
     width
         Odd number of frames; below 3 nothing is done.
+    median
+        Whether the median comes first, as in the paper. It is taken column by column, so that of
+        coordinates it depends on how the room is turned.
 
     References
     ----------
@@ -39,12 +42,14 @@ def smooth_runs(values: FloatArray, width: int) -> FloatArray:
     smooth = values.copy()
     half = width // 2
     for run in runs(np.isfinite(values[:, 0])) if half else ():
-        part = _shrinking(
-            values[run.frames],
-            half,
-            lambda x: median_filter(x, size=(width, 1), mode="nearest"),
-            lambda x: np.median(x, axis=0),
-        )
+        part = values[run.frames]
+        if median:
+            part = _shrinking(
+                part,
+                half,
+                lambda x: median_filter(x, size=(width, 1), mode="nearest"),
+                lambda x: np.median(x, axis=0),
+            )
         smooth[run.frames] = _shrinking(
             part,
             half,

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from markermend.errors import CannotRepair
 from markermend.model import FloatArray
 from markermend.repairing.geometry import LocalFrames, defines_frame
+from markermend.repairing.remembering import remembered
 from markermend.repairing.smoothing import odd_width, smooth_runs
 from markermend.repairing.window import Window
 
@@ -98,13 +99,16 @@ class Triad:
         return np.linspace(first, last, self.size)
 
 
-def triad(cut: Window, smoothing_s: float) -> Triad:
+@remembered
+def triad(cut: Window, smoothing_s: float, by_axis: bool = True) -> Triad:
     """Choose the references of the marker at hand.
 
     Parameters
     ----------
     smoothing_s
         Duration that references and results are smoothed over.
+    by_axis
+        Whether they are smoothed by the median of each axis too, as in the paper.
 
     Raises
     ------
@@ -126,7 +130,7 @@ def triad(cut: Window, smoothing_s: float) -> Triad:
     references = _in_no_line(cut, ordered, start)
     width = odd_width(smoothing_s, cut.rate)
     seen = cut.positions[:, references]
-    smooth = np.stack([smooth_runs(x, width) for x in seen.transpose(1, 0, 2)], axis=1)
+    smooth = np.stack([smooth_runs(x, width, by_axis) for x in seen.transpose(1, 0, 2)], axis=1)
     smooth_axes = local_axes(smooth)
     return Triad(
         cut=cut,
@@ -139,7 +143,7 @@ def triad(cut: Window, smoothing_s: float) -> Triad:
         smooth_axes=smooth_axes,
         smooth_references=smooth,
         local=smooth_axes.to_local(cut.own),
-        distances=np.linalg.norm(smooth - smooth_runs(cut.own, width)[:, None], axis=2),
+        distances=np.linalg.norm(smooth - smooth_runs(cut.own, width, by_axis)[:, None], axis=2),
         width=width,
     )
 

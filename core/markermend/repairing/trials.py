@@ -1,6 +1,7 @@
 """Problems whose answer is known: the same marker, the same length, elsewhere in the take."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +24,9 @@ class Trial:
     problem: Problem
     truth: FloatArray
 
+    @cached_property
     def near(self) -> "Trial":
-        """Give the same trial in the frames nearby only, for methods that take long."""
+        """The same trial in the frames nearby only, for methods that take long."""
         part = self.problem.span.padded(NEAR, self.problem.n_frames)
         nearby = replace(
             self.problem,

@@ -166,7 +166,7 @@ class Bench:
         every = MOST // MOST_SLOW if method.name in SLOW else 1
         errors, tried = [], []
         for i in range(0, len(self.trials), every):
-            trial = self.trials[i] if every == 1 else self.trials[i].near()
+            trial = self.trials[i] if every == 1 else self.trials[i].near
             try:
                 done = solve(trial.problem, method, parameters)
             except CannotRepair:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from markermend.errors import CannotRepair
 from markermend.model import BoolArray, FloatArray, Span
 from markermend.repairing.problem import Problem
+from markermend.repairing.remembering import remembered
 
 CONTEXT = 3000
 """Frames that a method looks at unless it says otherwise."""
@@ -102,6 +103,7 @@ class Window:
         return predicted[self.span.frames] - ramp
 
 
+@remembered
 def window(problem: Problem, frames: int = CONTEXT) -> Window:
     """Cut out at most `frames` frames around the span, or three times the span if that is more.
 

@@ -1,6 +1,7 @@
 """Laws that hold for every registered repair method, named or of another package."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,7 +16,6 @@ NAMES = REPAIRS.names()
 
 # Laws that a method does not promise, each with the reason.
 NO_ROTATION = {
-    "auto": "mixes some of the next ones in where little is seen",
     "pchip": "monotone along each axis",
     **dict.fromkeys(("li", "lpr", "glr", "lgrnn", "pma"), "smooths by the median of each axis"),
     **dict.fromkeys(("wpca", "pca_r1"), "scales each axis to unit variance"),
@@ -187,6 +187,31 @@ class TestKeepsTo:
     @pytest.mark.parametrize("name", promising(*NO_ROTATION))
     def test_a_rotation(self, name, lab):
         self.assert_moves_along(lab.for_method(REPAIRS.get(name)), name, lambda x: x @ TURN.T)
+
+    @pytest.mark.parametrize(("kind", "n_frames"), [("gap", 120), ("noise", 400)])
+    def test_a_rotation_in_short_windows_and_under_noise(self, kind, n_frames, lab):
+        """Where `auto` fills in other ways than by a tested mix, it turns with the room too."""
+        truth = lab.walker(n_frames)
+        given = lab.case(kind, truth=truth, span=Span(40, 60))
+        if kind == "gap":
+            positions = given.take.positions.copy()
+            positions[30:75, :4:2] = np.nan
+            given = replace(given, take=given.take.with_positions(positions))
+        self.assert_moves_along(given, "auto", lambda x: x @ TURN.T)
+
+    @pytest.mark.parametrize("axes", [(0,), (0, 1, 2)])
+    def test_a_rotation_under_peaks_unless_an_axis_is_as_usual(self, axes, lab):
+        """An axis of the room that is as usual stays as recorded: that cannot turn with it."""
+        truth = lab.walker(400)
+        given = lab.case("gap", truth=truth, span=Span(180, 184))
+        spoilt = truth.copy()
+        at = (slice(180, 184), lab.LABELS.index(lab.MARKER))
+        spoilt[at][:, list(axes)] += 60.0
+        given = replace(given, take=Take(spoilt, lab.RATE, lab.LABELS), kind="peak")
+        if len(axes) == 3:
+            self.assert_moves_along(given, "auto", lambda x: x @ TURN.T)
+        else:
+            np.testing.assert_array_equal(given.solve("auto")[:, 1:], truth[at][:, 1:])
 
     def assert_moves_along(self, given, name, change):
         moved = given.moved(change).solve(name)

@@ -92,7 +92,7 @@ def blend(around: Scene) -> Blend | None:
         return np.asarray(of[:, :, :n_in] - np.matmul(way.weights, of[:, :, n_in:]))
 
     def score(of: FloatArray) -> FloatArray:
-        return np.asarray(np.sqrt(np.square(of).sum(axis=3)).mean(axis=(1, 2)))
+        return np.asarray(np.sqrt(np.einsum("mpid,mpid->mpi", of, of)).mean(axis=(1, 2)))
 
     first = [way for way in ways if way.name in FIRST_OPERATORS]
     scores = np.min([score(errors(residual, way)) for way in first], axis=0)

@@ -54,19 +54,36 @@ def mix(errors: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
     scaled = (errors / np.sqrt(usual)[:, None]).reshape(len(errors), -1)
     covariance = scaled @ scaled.T / scaled.shape[1]
     members = [int(np.argmin(np.diag(covariance)))]
-    weights = np.ones(1)
     reached = covariance[members[0], members[0]]
     while len(members) < min(MOST_MEMBERS, len(errors)):
-        trials = []
-        for candidate in set(range(len(errors))) - set(members):
-            group = [*members, candidate]
-            at = np.ix_(group, group)
-            w = simplex_weights(covariance[at])
-            trials.append((float(w @ covariance[at] @ w), candidate, w))
-        value, candidate, w = min(trials, key=lambda trial: trial[:2])
+        others = np.setdiff1d(np.arange(len(errors)), members)
+        value, candidate = min(zip(_joined(covariance, members, others), others, strict=True))
         if value > (1 - LEAST_GAIN) * reached:
             break
-        reached, weights = value, w
-        members.append(candidate)
+        members.append(int(candidate))
+        reached = float(value)
+    weights = simplex_weights(covariance[np.ix_(members, members)])
     keep = weights > 0
     return np.asarray(members, np.intp)[keep], weights[keep]
+
+
+def _joined(
+    covariance: FloatArray, members: list[int], others: NDArray[np.intp]
+) -> NDArray[np.float64]:
+    """Give wᵀCw, the least over w ≥ 0 of sum 1, of the members with each of the others joined.
+
+    Only subsets that hold the one that joins can be better than the members alone.
+    """
+    lowest = np.full(len(others), np.inf)
+    for size in range(len(members) + 1):
+        for subset in combinations(members, size):
+            group = np.column_stack([np.tile(subset, (len(others), 1)), others]).astype(np.intp)
+            within = covariance[group[:, :, None], group[:, None, :]]
+            ridge = 1e-9 * np.trace(within, axis1=1, axis2=2) / (size + 1) + 1e-300
+            matrix = within + ridge[:, None, None] * np.eye(size + 1)
+            solved = np.linalg.solve(matrix, np.ones((len(others), size + 1, 1)))[:, :, 0]
+            weights = solved / solved.sum(axis=1, keepdims=True)
+            value = np.einsum("ni,nij,nj->n", weights, within, weights)
+            value[(weights < 0).any(axis=1)] = np.inf
+            lowest = np.minimum(lowest, value)
+    return lowest

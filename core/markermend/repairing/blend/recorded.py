@@ -66,16 +66,21 @@ def with_recorded(problem: Problem, done: Outcome, found: Blend | None) -> Outco
 
 
 def _posterior(off: FloatArray, spread: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Give the part of each axis to believe, and the error that is left, as a share by frame."""
+    """Give what to believe of it, and the error that is left, as a share by frame.
+
+    The axes are those of the noise, the second differences' own, so that they turn with the room;
+    where the noise is on one axis of the room, it is one of them.
+    """
     frames = np.arange(len(off))
     lag = (frames[:, None] - frames) / (SMOOTH * len(off))
     prior = matern32(lag) * np.outer(spread, spread)
-    believed = np.empty_like(off)
+    rough = np.diff(off, n=2, axis=0)
+    # The second difference of white noise has six times its variance.
+    noises, axes = np.linalg.eigh(rough.T @ rough / (6.0 * len(rough)))
+    believed = np.zeros_like(off)
     left = np.zeros(len(off))
-    for axis, values in enumerate(off.T):
-        # The second difference of white noise has six times its variance.
-        noise = float(np.square(np.diff(values, n=2)).mean()) / 6.0 + FLOOR_MM2
+    for noise, axis in zip(np.maximum(noises, 0.0) + FLOOR_MM2, axes.T, strict=True):
         gain = np.linalg.solve(prior + noise * np.eye(len(prior)), prior).T
-        believed[:, axis] = gain @ values
+        believed += np.outer(gain @ (off @ axis), axis)
         left += np.maximum(np.diag(prior) - np.einsum("ij,ji->i", gain, prior), 0.0)
     return believed, np.sqrt(left / (off.shape[1] * np.diag(prior)))

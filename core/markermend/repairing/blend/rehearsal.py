@@ -120,9 +120,9 @@ def _weights(errors: FloatArray, usual: FloatArray) -> FloatArray:
 
 
 def _apart(made: FloatArray) -> FloatArray:
-    """Give how far each way is off the median of those that learn, (n_ways,) mm."""
-    away = made - np.median(made[:LEARNT], axis=0)
-    return np.asarray(np.linalg.norm(away, axis=2).mean(axis=1))
+    """Give how far each way is off those that learn, in the median, (n_ways,) mm."""
+    away = np.linalg.norm(made[:, None] - made[:LEARNT], axis=3).mean(axis=2)
+    return np.asarray(np.median(away, axis=1))
 
 
 def _gated(weights: FloatArray, apart: FloatArray) -> FloatArray:

@@ -17,6 +17,7 @@ from markermend.repairing.geometry import (
 )
 from markermend.repairing.kriging import hermite
 from markermend.repairing.problem import Problem
+from markermend.repairing.remembering import remembered
 from markermend.repairing.window import Window, window
 
 BOUNDARY = 12
@@ -109,6 +110,7 @@ def scene(problem: Problem, least: int) -> Scene:
     return found
 
 
+@remembered
 def survey(cut: Window) -> Scene:
     """Choose the neighbours, however few they are."""
     positions, seen = _bridged(cut)

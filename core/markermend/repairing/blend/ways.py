@@ -42,7 +42,8 @@ PMA: tuple[Model, ...] = (
 )
 BESIDE = (0.4, 0.25)
 """Weights of LGRNN and PMA in long gaps beside the regression in local frames."""
-WPCA, REACH = Settings(200.0, 0.02, 0.99), 0.5
+WPCA, REACH = Settings(by_axis=False), 0.5
+TURNING = Recovery(by_axis=False)
 LEARNT = 5
 """The first so many ways learn from the neighbours; the last two know the marker alone."""
 
@@ -72,8 +73,8 @@ def ways(near: Window, filled: FloatArray) -> FloatArray:
     known[:, near.marker] = near.own
     closed = replace(near, positions=known)
     for way in (
-        lambda: recover(closed, LGRNN, Recovery()),
-        lambda: recover(closed, PMA, Recovery()),
+        lambda: recover(closed, LGRNN, TURNING),
+        lambda: recover(closed, PMA, TURNING),
         lambda: fill_r2(closed, WPCA, REACH),
     ):
         made.append(_or(way, made[-1]))

@@ -20,6 +20,9 @@ def auto(problem: Problem) -> Outcome:
     so that their errors cancel.  The errors that the mix makes there are the expected error, and
     by position in the gap their 90 % quantile is the band.
 
+    A turned room gives the turned fill, but under a peak, a step or a slow change where some axes
+    of the room are off the fill and others are as usual: these stay as recorded.
+
     Where every neighbour is gone, the marker's own motion before and after carries the gap.
     Where no pseudo-gap of this length fits into what is seen, settings known to be good are used,
     and neither band nor expected error is given.
