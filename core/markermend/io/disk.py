@@ -1,6 +1,7 @@
 """Put bytes on the disk whole or not at all."""
 
 import contextlib
+import errno
 import os
 import secrets
 import shutil
@@ -9,6 +10,9 @@ from pathlib import Path
 
 from markermend.errors import CannotWrite
 from markermend.io.folder import is_packed, pack_folder, unpack
+
+_NO_SUCH_SERVICE = (errno.EINVAL, errno.ENOTSUP)
+"""What file systems answer that cannot confirm a name; there is nothing to wait for."""
 
 
 def write_whole(
@@ -49,7 +53,6 @@ def write_whole(
         if path.exists():
             temporary.chmod(path.stat().st_mode)
         temporary.replace(path)
-        _sync_folder(path.parent)
     except OSError as error:
         raise CannotWrite(
             f"{path} cannot be written: {error.strerror or error}; choose another place."
@@ -59,6 +62,13 @@ def write_whole(
             if temporary.is_dir():
                 shutil.rmtree(temporary)
             temporary.unlink(missing_ok=True)
+    try:
+        _sync_folder(path.parent)
+    except OSError as error:
+        raise CannotWrite(
+            f"{path} is written, but the disk does not confirm its name "
+            f"({error.strerror or error}); look after the disk, then write it once more."
+        ) from None
 
 
 def _write_synced(path: Path, data: bytes | bytearray) -> None:
@@ -95,5 +105,8 @@ def _sync_folder(folder: Path) -> None:
     handle = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(handle)
+    except OSError as error:
+        if error.errno not in _NO_SUCH_SERVICE:
+            raise
     finally:
         os.close(handle)

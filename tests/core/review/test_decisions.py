@@ -1,7 +1,11 @@
 """The decision file: nothing is lost in it, nothing in it is believed."""
 
+import contextlib
 import copy
+import errno
 import json
+import os
+import stat
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -296,3 +300,22 @@ def test_a_write_that_fails_leaves_the_old_file(
         made_on(take).write(path)
     assert path.read_text() == "the old one"
     assert [p.name for p in tmp_path.iterdir()] == ["d.json"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="only POSIX systems confirm names by the folder")
+@pytest.mark.parametrize("code", [errno.EIO, errno.EINVAL])
+def test_a_name_that_the_disk_does_not_confirm_is_said_as_it_is(
+    take: Take, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, code: int
+) -> None:
+    path, real = tmp_path / "d.json", os.fsync
+
+    def odd(handle: int) -> None:
+        if stat.S_ISDIR(os.fstat(handle).st_mode):
+            raise OSError(code, os.strerror(code))
+        real(handle)
+
+    monkeypatch.setattr("os.fsync", odd)
+    refused = pytest.raises(CannotWrite, match="is written, but the disk does not confirm its name")
+    with refused if code == errno.EIO else contextlib.nullcontext():
+        made_on(take).write(path)
+    assert read_decisions(path).review == made_on(take).review
