@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import re
 import statistics
 import tempfile
 import time
@@ -83,9 +84,10 @@ async def _soak(budget: Budget, tally: Tally, folder: Path) -> str:
             wanted = acknowledged[record.operator]
             fault = f"{record.operator}: {wanted} acknowledged, {kept_lines} kept"
             tally.case("" if kept_lines == wanted else fault, lost=kept_lines < wanted)
-    for line in served.said.splitlines():
-        if " ERROR " in line:
-            tally.case(f"the log says: {line[:120]}")
+    for entry in re.split(r"\n(?=\d{4}-\d\d-\d\d )", served.said):
+        if " ERROR " in entry.partition("\n")[0]:
+            first, *trace = entry.strip().splitlines()
+            tally.case(f"the log says: {first[:120]} {trace[-1][:200] if trace else ''}")
     return f"{visits} visits; {_judge(samples, tally, short=budget.short)}"
 
 
