@@ -242,8 +242,12 @@ def _hills(
                 continue
             if labelled[m, start : start + L].mean() > _MOST_LABELLED:
                 continue
-            hill = _taken_out(echoes, triangles, m, start, L, value, round(_AROUND * pace))
-            if hill.value >= least and np.sqrt((hill.size**2).sum()) >= least_mm:
+            size = triangles.N[L][3 * m : 3 * m + 3, t] / triangles.q[L][3 * m : 3 * m + 3]
+            if np.sqrt((size**2).sum()) < least_mm or _rivalled(triangles, m, start, L):
+                continue
+            left = _left(echoes, triangles, m, t, L, size, round(_AROUND * pace), value, least)
+            hill = Hill(m, start, L, float(triangles.score[m, t]), value * (1.0 - left), left, size)
+            if hill.value >= least:
                 hills.append(hill)
     return hills
 
@@ -274,23 +278,37 @@ def _padded(shape: FloatArray, size: int) -> FloatArray:
     return np.pad(shape, (0, size - len(shape)))
 
 
-def _taken_out(
+def _rivalled(triangles: Triangles, marker: int, start: int, length: int) -> bool:
+    """Whether a box or a triangle that is too short explains the place better."""
+    score = triangles.score[marker, start + length // 2]
+    if triangles.short[marker, start : start + length].max() > score:
+        return True
+    return any(
+        z[marker, max(0, start - L // 2) : start + length].max(initial=0.0) > _MOST_BOX * score
+        for L, z in triangles.box.items()
+    )
+
+
+def _left(
     echoes: _Echoes,
     triangles: Triangles,
     marker: int,
-    start: int,
+    middle: int,
     length: int,
-    u: float,
+    size: FloatArray,
     reach: int,
-) -> Hill:
-    """Fit the triangle, take it out, and see what is left and whether a box does better."""
+    value: float,
+    least: float,
+) -> float:
+    """Take a triangle out: the largest score that is left within `reach`, as a share of its own.
+
+    At most 1; no longer looked for once the rest of `value` is below `least`.
+    """
     rows = slice(3 * marker, 3 * marker + 3)
-    middle = start + length // 2
-    size = triangles.N[length][rows, middle] / triangles.q[length][rows]
-    score = float(triangles.score[marker, middle])
     n = triangles.score.shape[1]
     low, high = max(0, middle - reach), min(n, middle + reach + 1)
     shifts = np.arange(low - middle, high - middle)
+    score = float(triangles.score[marker, middle])
     left = 0.0
     for L, answer in echoes.of(marker, length).items():
         fits = slice(max(low, L // 2), min(high, n - L // 2))
@@ -298,12 +316,9 @@ def _taken_out(
         rest = triangles.N[L][rows, fits] - size[:, None] * answer[:, shifts[inside]]
         z2 = (rest**2 / triangles.q[L][rows, None]).sum(0)
         left = max(left, float(np.sqrt(z2.max(initial=0.0))) / score)
-    for L, z in triangles.box.items():
-        if z[marker, max(0, start - L // 2) : start + length].max(initial=0.0) > _MOST_BOX * score:
-            left = 1.0
-    if triangles.short[marker, start : start + length].max() > score:
-        left = 1.0
-    return Hill(marker, start, length, score, u * max(0.0, 1.0 - left), left, size)
+        if value * (1.0 - left) < least:
+            break
+    return min(left, 1.0)
 
 
 def _explained(
