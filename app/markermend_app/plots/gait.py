@@ -6,13 +6,14 @@ from typing import Any
 import holoviews as hv
 import numpy as np
 
+from markermend.evaluate.kamali_splits import Split
 from markermend.evaluate.kamali_tables import Cell, Kamali, Point
 from markermend_app.plots.completion import dots, lying, styles
 from markermend_app.plots.picture import INK, Panel, Picture, drawn, log_range, log_ticks
 
 
 def kamali(result: Kamali) -> Picture:
-    """Draw the error of every mask and method (Fig. 4), and by lambda (Fig. 3b), for each take."""
+    """Draw errors by mask (Fig. 4), by lambda (Fig. 3b), by number and by length of the gaps."""
     rows = []
     for take, markers in dict.fromkeys((cell.take, cell.markers) for cell in result.cells):
         cells = [c for c in result.cells if (c.take, c.markers) == (take, markers)]
@@ -21,6 +22,12 @@ def kamali(result: Kamali) -> Picture:
         if points:
             title = f"Choice of λ, n = {points[0].masks} masks of their own\nmean and deviation"
             panels.append(Panel(title, by_weight(points)))
+        for by, title in (
+            ("gaps", "By the gaps in a mask"),
+            ("share", "By a gap's share of a cycle"),
+        ):
+            some = [s for s in result.splits if (s.take, s.markers, s.by) == (take, markers, by)]
+            panels.append(Panel(f"{title}\nmean over gaps", by_class(some)))
         rows.append(tuple(panels))
     return Picture(
         "Gaps in gait, filled by low rank and sparsity",
@@ -93,4 +100,35 @@ def by_weight(points: Sequence[Point]) -> Any:
         show_legend=True,
         legend_position="top_left",
         legend_cols=2,
+    )
+
+
+def by_class(splits: Sequence[Split]) -> Any:
+    """Draw the mean error per method over the number of gaps, or over their length."""
+    names = list(dict.fromkeys(split.name for split in splits))
+    look = styles(split.method for split in splits)
+    known = [split for split in splits if split.mean_mm is not None]
+    low, high = log_range([split.mean_mm for split in known if split.mean_mm is not None])
+    layers = []
+    for method, style in look.items():
+        line = [(names.index(s.name), s.mean_mm, 0) for s in known if s.method == method]
+        layers += [
+            hv.Curve([point[:2] for point in line], "x", "error", label=method).opts(
+                **style, backend="bokeh"
+            ),
+            *dots(line, style["color"]),
+        ]
+    return drawn(
+        hv.Overlay(layers),
+        480,
+        220,
+        logy=True,
+        xlim=(-0.5, len(names) - 0.5),
+        ylim=(low, high),
+        xticks=list(enumerate(names)),
+        yticks=log_ticks(low, high),
+        xlabel="",
+        ylabel="error, mm",
+        show_legend=True,
+        legend_position="right",
     )

@@ -19,6 +19,7 @@ from markermend.evaluate.hiding import (
     only,
     spread_markers,
 )
+from markermend.evaluate.kamali_splits import Split, splits
 from markermend.evaluate.kamali_tables import Cell, Example, Kamali, Pair, Point, ordering
 from markermend.evaluate.parallel import in_order
 from markermend.model import FloatArray, Span, Take
@@ -158,6 +159,7 @@ def kamali(
     results = in_order(_fill, tasks, jobs, lambda done: progress(done_before + done, total))
     cells: list[Cell] = []
     pairs: list[Pair] = []
+    by_class: list[Split] = []
     orderings, examples = [], []
     for k, setting in enumerate(settings):
         some = [next(results) for _ in range(masks)]
@@ -165,6 +167,11 @@ def kamali(
             _cell(*setting, run, [one[i] for one in some]) for i, run in enumerate(chosen[setting])
         ]
         place = {run[0]: i for i, run in enumerate(chosen[setting])}
+        cycle = found[setting[0]].seconds * takes[setting[0]].rate
+        made = tasks[k * masks : (k + 1) * masks]
+        shares = [np.array([len(span) / cycle for _, span in one.gaps]) for one in made]
+        for method, i in place.items():
+            by_class += splits(*setting, method, [one[i].figures[:, 0] for one in some], shares)
         tests = [
             _pair(*setting, a, b, [(one[place[a]], one[place[b]]) for one in some])
             for a, b in TESTED
@@ -186,6 +193,7 @@ def kamali(
         sweep=tuple(sweep),
         orderings=tuple(orderings),
         examples=tuple(examples),
+        splits=tuple(by_class),
     )
 
 

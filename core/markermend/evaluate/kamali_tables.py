@@ -5,8 +5,13 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from markermend.evaluate.cycles import Cycle
+from markermend.evaluate.kamali_splits import Split
 
 Table = tuple[str, tuple[str, ...], list[tuple[str, ...]]]
+SPLITS = {
+    "gaps": "Mean error in mm by the number of gaps in a mask (and gaps filled)",
+    "share": "Mean error in mm by the length of a gap in cycles (and gaps filled)",
+}
 
 
 @dataclass(frozen=True)
@@ -139,6 +144,7 @@ class Kamali:
     sweep: tuple[Point, ...]
     orderings: tuple[Ordering, ...]
     examples: tuple[Example, ...]
+    splits: tuple[Split, ...]
 
     def to_json(self) -> dict[str, Any]:
         """Give it in the form of ``markermend evaluate kamali --json``."""
@@ -183,6 +189,7 @@ class Kamali:
                     for cell in self.cells
                 ],
             ),
+            *(self._split_table(by, title) for by, title in SPLITS.items()),
             (
                 "Wilcoxon signed-rank tests over masks (Table 1)",
                 ("take", "markers", "first", "second", "masks", "difference", "p", "holds"),
@@ -215,6 +222,22 @@ class Kamali:
                 ],
             ),
         ]  # fmt: skip
+
+    def _split_table(self, by: str, title: str) -> Table:
+        rows: dict[tuple[str, int, str], dict[str, str]] = {}
+        for one in self.splits:
+            if one.by == by:
+                row = rows.setdefault((one.take, one.markers, one.method), {})
+                row[one.name] = f"{_mm(one.mean_mm)} ({one.n})"
+        classes = tuple(dict.fromkeys(one.name for one in self.splits if one.by == by))
+        return (
+            title,
+            ("take", "markers", "method", *classes),
+            [
+                (take, str(markers), name, *(row[c] for c in classes))
+                for (take, markers, name), row in rows.items()
+            ],
+        )
 
     def _sweep_table(self) -> Table:
         weights = sorted({point.weight for point in self.sweep})

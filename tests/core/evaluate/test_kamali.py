@@ -11,6 +11,7 @@ from markermend.errors import BadInput, UnknownName
 from markermend.evaluate.cycles import cycle_of
 from markermend.evaluate.hiding import spread_markers
 from markermend.evaluate.kamali import Kamali, complete, draw_gaps, kamali
+from markermend.evaluate.kamali_splits import splits
 from markermend.model import Span
 
 RATE, CYCLE_S, MARKERS = 50.0, 1.2, 8
@@ -28,7 +29,7 @@ def gait(noise: float = 0.0, seconds: float = 6.0) -> mm.Take:
     return mm.Take(positions.reshape(len(t), MARKERS, 3), RATE, labels)
 
 
-def run(take: mm.Take, jobs: int = 1, seed: int = 0, masks: int = 4) -> Kamali:
+def run(take: mm.Take, jobs: int = 1, seed: int = 0, masks: int = 2) -> Kamali:
     return kamali(
         {"gait": take}, markers=(MARKERS,), methods=("gslr", "slr", "svt", "spline"),
         weights=(0.01, 1.0), masks=masks, sweep_masks=1, cycles=3, jobs=jobs, seed=seed,
@@ -99,6 +100,32 @@ def test_figures_hang_together(result: Kamali):
     means = [cells[name].mean_mm for name in order.best_first]
     assert means == sorted(means)
     assert cells["gslr"].mean_mm < cells["spline"].mean_mm / 5
+
+
+def test_the_classes_hold_all_gaps(result: Kamali):
+    for cell in result.cells:
+        for by in ("gaps", "share"):
+            some = [s for s in result.splits if (s.method, s.by) == (cell.method, by)]
+            assert sum(split.n for split in some) == cell.gaps
+            assert all((split.mean_mm is None) == (split.n == 0) for split in some)
+    for by in ("gaps", "share"):
+        bounds = [(s.low, s.high) for s in result.splits if (s.method, s.by) == ("svt", by)]
+        assert [low for low, _ in bounds[1:]] == [high for _, high in bounds[:-1]]
+
+
+def test_an_error_counts_in_the_class_of_its_gap():
+    errors = [np.array([1.0, 2.0, np.nan, 4.0, 5.0]), np.full(12, 7.0)]
+    shares = [np.array([0.1, 0.15, 0.2, 0.3, 0.5]), np.full(12, 0.45)]
+    found = {s.name: (s.n, s.mean_mm) for s in splits("walk", 11, "svt", errors, shares)}
+    assert found == {
+        "5 to 9 gaps": (4, 3.0),
+        "10 to 14 gaps": (12, 7.0),
+        "15 to 20 gaps": (0, None),
+        "10% to 20%": (2, 1.5),
+        "20% to 30%": (0, None),
+        "30% to 40%": (1, 4.0),
+        "40% to 50%": (13, pytest.approx(89 / 13)),
+    }
 
 
 def test_best_weight_of_the_sweep_goes_on(result: Kamali):
