@@ -95,9 +95,10 @@ def make_desk(
     def make(ahead: int = 0) -> tuple[Desk, Ticks]:
         stores.append(Store(tmp_path / "store.sqlite"))
         ticks = Ticks()
-        desk = Desk(
-            Workspace(stores[-1], (take_path,), methods=METHODS, ahead=ahead, worker=worker), ticks
+        workspace = Workspace(
+            stores[-1], (take_path,), methods=METHODS, ahead=ahead, patience_s=0.0, worker=worker
         )
+        desk = Desk(workspace, ticks)
         desks.append(desk)
         desk.open(take_path)
         settle(desk, ticks)

@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from typing import TypeVar
 
 from markermend.errors import MarkerMendError
@@ -30,31 +30,50 @@ class Jobs:
         self._current: dict[str, object] = {}
         self._closed = False
 
-    def run(self, topic: str, work: Callable[["Ticket"], T], done: Callable[[T], None]) -> None:
-        """Do `work` for a topic; work for the same topic that is under way becomes stale."""
+    def run(
+        self,
+        topic: str,
+        work: Callable[["Ticket"], T],
+        done: Callable[[T], None],
+        *,
+        patience_s: float = 0.0,
+    ) -> None:
+        """Do `work` for a topic; work for the same topic that is under way becomes stale.
+
+        What takes no longer than `patience_s` is waited for, and is done when this returns.
+        """
         if self._closed:
             return
         ticket = Ticket(self, topic)
         self._current[topic] = ticket
         if topic not in self._pools:
             self._pools[topic] = ThreadPoolExecutor(1, thread_name_prefix=f"markermend-{topic}")
-        self._pools[topic].submit(self._do, ticket, work, done)
-
-    def _do(
-        self, ticket: "Ticket", work: Callable[["Ticket"], T], done: Callable[[T], None]
-    ) -> None:
-        if not ticket.valid():
+        under_way = self._pools[topic].submit(self._result, ticket, work, done)
+        if patience_s and wait([under_way], timeout=patience_s).done:
+            under_way.result()()
             return
+
+        def tell(ended: Future[Callable[[], None]]) -> None:
+            if not ended.cancelled():
+                ticket.tell(ended.result())
+
+        under_way.add_done_callback(tell)
+
+    def _result(
+        self, ticket: "Ticket", work: Callable[["Ticket"], T], done: Callable[[T], None]
+    ) -> Callable[[], None]:
+        """Do the work, and give what is to be said of it on the page's thread."""
+        if not ticket.valid():
+            return _nothing
         try:
             result = work(ticket)
         except MarkerMendError as refusal:
             sentence = str(refusal)
-            ticket.tell(lambda: self._failed(sentence))
+            return lambda: self._failed(sentence)
         except Exception:
             LOG.exception("%s failed", ticket.topic)
-            ticket.tell(lambda: self._failed("That failed inside MarkerMend; the log says why."))
-        else:
-            ticket.tell(lambda: done(result))
+            return lambda: self._failed("That failed inside MarkerMend; the log says why.")
+        return lambda: done(result)
 
     def tell(self, report: Callable[[], None]) -> None:
         """Do something on the page's thread, unless the page is closed by then."""
@@ -90,3 +109,7 @@ class Ticket:
     def tell(self, report: Callable[[], None]) -> None:
         """Report on the page's thread, if still valid by then."""
         self._jobs._schedule(lambda: report() if self.valid() else None)  # noqa: SLF001
+
+
+def _nothing() -> None:
+    """Say nothing: what was asked for is not wanted any more."""

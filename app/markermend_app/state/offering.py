@@ -87,7 +87,7 @@ class Offering(Looking):
             names = previews.quick(offer.rows)
             self._compare(opened, judged, masked, offer.rows, names)
 
-        self.jobs.run("preview", first, begin)
+        self.jobs.run("preview", first, begin, patience_s=self.workspace.patience_s)
 
     def _compare(
         self,

@@ -6,9 +6,11 @@ from dataclasses import dataclass, replace
 
 from markermend.errors import CannotRepair
 from markermend.model import Kind, Span, Take
-from markermend.repairing import DEFAULTS, REPAIRS, Repair, repair
+from markermend.repairing import DEFAULTS, REPAIRS, Repair
 from markermend.repairing.checks import Checks
 from markermend.repairing.compare import Row, concluded
+from markermend.repairing.problem import Problem
+from markermend.repairing.run import moved, nearby, pose, solve
 from markermend.repairing.trust import SLOW, Trust
 from markermend.review import Judgement
 from markermend_app.state.turns import TURNS
@@ -90,32 +92,26 @@ def at_hand(
 ) -> tuple[Preview, ...]:
     """Give the rows of these methods, those computed that cost nothing: the first preview."""
     wanted = (*(["swap"] if judged.finding.partner else []), *AT_HAND)
+    wish = judged.wish
+    near, first, hidden = nearby(take, wish.span, [(wish.marker, wish.span), *masked])
+    with TURNS:
+        problem = pose(near, replace(wish, span=moved(wish.span, -first)), hidden)
     rows = []
     for name in sorted(names, key=lambda name: wanted.index(name) if name in wanted else 99):
         row = Preview(name, REPAIRS.get(name).title, slow=name in SLOW)
-        rows.append(_computed(row, take, judged, masked) if name in wanted else row)
+        rows.append(_computed(row, problem, wish.span) if name in wanted else row)
     return tuple(rows)
 
 
-def _computed(
-    row: Preview, take: Take, judged: Judgement, masked: Sequence[tuple[str, Span]]
-) -> Preview:
+def _computed(row: Preview, problem: Problem, span: Span) -> Preview:
     with TURNS:
         began = time.perf_counter()
         try:
-            done = repair(
-                take,
-                judged.finding.marker,
-                judged.span,
-                row.name,
-                kind=judged.kind,
-                partner=judged.finding.partner,
-                masked=masked,
-            )
+            done = solve(problem, REPAIRS.get(row.name), {})
         except CannotRepair as refusal:
             return replace(row, reason=str(refusal), compared=True)
         # Not a view of an array that would be kept with it.
-        done = replace(done, values=done.values.copy())
+        done = replace(done, span=span, values=done.values.copy())
         return replace(row, repair=done, seconds=time.perf_counter() - began)
 
 

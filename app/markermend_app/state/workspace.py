@@ -77,6 +77,8 @@ class Workspace:
         Names of the repairs that are offered; by default all.
     ahead
         How many findings are compared while the operator looks at another.
+    patience_s
+        How long a finding waits for the first of its repairs, so that both are drawn at once.
     reach
         The folder that can be reached from a page; by default all of the disk.
     most_upload
@@ -100,6 +102,7 @@ class Workspace:
         detector: str = detection.DEFAULT,
         methods: tuple[str, ...] | None = None,
         ahead: int = 3,
+        patience_s: float = 0.05,
         reach: Reach | None = None,
         most_upload: int = MOST_DROPPED_BYTES,
         worker: Worker | None = None,
@@ -107,6 +110,7 @@ class Workspace:
     ) -> None:
         self.store, self.paths, self.detector = store, paths, detector
         self.methods, self.ahead = REPAIRS.names() if methods is None else methods, ahead
+        self.patience_s = patience_s
         self.units, self.rate, self.ignore_residuals = units, rate, ignore_residuals
         self.reach, self.most_upload, self.archive = reach, most_upload, archive
         self.worker = Worker() if worker is None else worker

@@ -11,6 +11,7 @@ from markermend_app.plots.overview import Overview
 from markermend_app.state import curves
 from markermend_app.state import overview as all_markers
 from markermend_app.state.desk import Desk
+from markermend_app.views.component import at_once
 from markermend_app.views.part import Intent
 from markermend_app.views.playheads import SEEKS
 
@@ -74,11 +75,13 @@ class LanesView:
         if (self.lanes.x_range.start, self.lanes.x_range.end) != (low, high):
             self.lanes.x_range.update(start=low, end=high)
 
+    @at_once
     def _moved(self, event: Any) -> None:
         """Follow a pan or zoom made in the browser."""
         if event.x0 is not None and (event.x0, event.x1) != self.desk.window:
             self.desk.window = (float(event.x0), float(event.x1))
 
+    @at_once
     def _swept(self, event: Any) -> None:
         """Add the span that was dragged over a lane."""
         desk = self.desk
@@ -88,6 +91,7 @@ class LanesView:
         first, last = (event.geometry[edge] * rate for edge in ("x0", "x1"))
         self._intent("add", (round(first), max(round(first), round(last)) + 1), {})
 
+    @at_once
     def _dragged(self, attr: str, old: float, new: float) -> None:
         """Move the edges of the finding once the tab rests."""
         if self._filling:
@@ -97,6 +101,7 @@ class LanesView:
             document.remove_timeout_callback(self._rest)
         self._rest = document.add_timeout_callback(self._rested, DRAG_MS)
 
+    @at_once
     def _rested(self) -> None:
         self._rest = None
         if self.desk.opened is None or self.desk.span is None:
@@ -135,6 +140,7 @@ class OverviewView:
         low, high = self.desk.window
         self.overview.window.update(left=low, right=high)
 
+    @at_once
     def _tapped(self, event: Any) -> None:
         if event.x is None or event.y is None or self.values is None:
             return

@@ -4,8 +4,20 @@
 // of HTML over its figure; the span itself stays hidden and keeps the time, without telling Python.
 let entries = [];
 
+// Bokeh asks for the style of an element for every line, fill and word that it paints, in case a
+// style sheet says otherwise (`--bk-…`), and each time the browser has to bring the whole page's style
+// up to date. Ours say nothing of the kind.
+function withoutStyleSheets(visuals) {
+  for (const visual of visuals) {
+    let kind = visual;
+    while (kind && !Object.hasOwn(kind, "_get_css_value")) kind = Object.getPrototypeOf(kind);
+    if (kind) kind._get_css_value = () => "";
+  }
+}
+
 function attach(view) {
-  const { canvas_view: canvas, model: plot } = view.plot_view;
+  const { canvas_view: canvas, model: plot, visuals } = view.plot_view;
+  withoutStyleSheets(visuals);
   const line = document.createElement("div");
   line.className = "playhead";
   Object.assign(line.style, { position: "absolute", left: 0, pointerEvents: "none" });

@@ -15,7 +15,23 @@ export function render({ model, el }) {
   const shown = new Map(), rows = new Map();
   let order = [];
 
-  const rowHeight = () => parseFloat(getComputedStyle(list).getPropertyValue("--row")) || 30;
+  // Asking for a size lays the page out anew, which is dear while other parts are being changed.
+  let height = 30, view = 0, top = 0;
+  const measure = () => {
+    height = parseFloat(getComputedStyle(list).getPropertyValue("--row")) || 30;
+    view = list.clientHeight;
+    top = list.scrollTop;
+  };
+  const scrollTo = (wanted) => { list.scrollTop = top = Math.max(0, wanted); };
+
+  // What is found late comes in above and below the pointer; the row that rests under it stays there.
+  let pointer = null;
+  const underPointer = () => (pointer === null ? null : order[Math.floor((pointer + top) / height)]);
+  const keepUnderPointer = (id, at) => {
+    const now = order.indexOf(id);
+    if (now >= 0 && now !== at) scrollTo(top + (now - at) * height);
+  };
+
   const take = (table) => {
     const plain = (value) => (value instanceof Map ? Object.fromEntries(value) : value);
     const { ids, changed, gone, come } = plain(table);
@@ -34,10 +50,9 @@ export function render({ model, el }) {
   };
 
   const draw = () => {
-    const height = rowHeight();
     spacer.style.height = `${order.length * height}px`;
-    const first = Math.max(0, Math.floor(list.scrollTop / height) - 5);
-    const last = Math.min(order.length, Math.ceil((list.scrollTop + list.clientHeight) / height) + 5);
+    const first = Math.max(0, Math.floor(top / height) - 5);
+    const last = Math.min(order.length, Math.ceil((top + view) / height) + 5);
     const wanted = new Map();
     for (let i = first; i < last; i++) wanted.set(order[i], i);
     for (const [id, row] of shown) {
@@ -68,14 +83,10 @@ export function render({ model, el }) {
   };
 
   const reveal = () => {
-    const height = rowHeight();
     const at = order.indexOf(model.selected);
     if (at < 0) return;
-    const top = at * height;
-    if (top < list.scrollTop) list.scrollTop = top;
-    if (top + height > list.scrollTop + list.clientHeight) {
-      list.scrollTop = top + height - list.clientHeight;
-    }
+    if (at * height < top) scrollTo(at * height);
+    if ((at + 1) * height > top + view) scrollTo((at + 1) * height - view);
   };
 
   list.addEventListener("click", (event) => {
@@ -90,13 +101,33 @@ export function render({ model, el }) {
     const at = ids.indexOf(model.selected) + by;
     if (at >= 0 && at < ids.length) model.send_msg({ do: "select", arg: ids[at], fields: {} });
   });
-  list.addEventListener("scroll", draw, { passive: true });
-  const observer = new ResizeObserver(draw);
+  list.addEventListener("scroll", () => { top = list.scrollTop; draw(); }, { passive: true });
+  list.addEventListener("pointermove", (event) => {
+    pointer = event.clientY - list.getBoundingClientRect().top;
+  });
+  list.addEventListener("pointerleave", () => { pointer = null; });
+  const observer = new ResizeObserver(() => { measure(); draw(); });
   observer.observe(list);
-  const drawing = drawnUnlessPressed(list, () => { reveal(); draw(); });
-  model.on("msg:custom", (table) => { take(table); drawing.ask(); });
+  let late = false;
+  const drawing = drawnUnlessPressed(list, () => {
+    spacer.style.height = `${order.length * height}px`;
+    if (!late || pointer === null) reveal();
+    late = false;
+    draw();
+  });
+  model.on("msg:custom", (table) => {
+    const rests = underPointer(), at = order.indexOf(rests);
+    late = Boolean(table instanceof Map ? table.get("late") : table.late);
+    take(table);
+    if (late && rests) {
+      spacer.style.height = `${order.length * height}px`; // so that it can be scrolled as far
+      keepUnderPointer(rests, at);
+    }
+    drawing.ask();
+  });
   model.on("selected", drawing.ask);
   model.on("remove", () => { observer.disconnect(); drawing.remove(); });
+  measure();
   take(model.table);
   reveal();
   draw();

@@ -192,7 +192,9 @@ class Queue(Component):
         changed = {key: row for key, row in rows.items() if sent.get(key) is not row}
         if changed or list(rows) != list(sent):
             self._sent = rows
-            self._send_msg(_difference(list(sent), list(rows), changed))
+            # What came in by itself; all else is an answer to the operator, who looks for it.
+            late = [event.name for event in events] == ["findings"]
+            self._send_msg(_difference(list(sent), list(rows), changed) | {"late": late})
 
     def _reselect(self, *_: object) -> None:
         self.selected = self._desk.selected
