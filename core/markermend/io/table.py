@@ -44,6 +44,9 @@ class Table:
         ``"."`` or ``","``.
     blank
         What stands for a coordinate that was not seen, where the file shows no example.
+    apart
+        So many frames at the beginning are further from the others in the file than in the take;
+        nothing is written into them.
     """
 
     text: TextFile
@@ -52,6 +55,7 @@ class Table:
     separator: str
     decimal: str = "."
     blank: str = ""
+    apart: int = 0
 
     def positions(self) -> tuple[FloatArray, tuple[str, ...]]:
         """Read all coordinates, NaN = not seen, and say what was odd.
@@ -85,9 +89,9 @@ class Table:
             odd = (f"{strange} cells hold no number and count as not seen.", *odd)
         return clean, odd
 
-    def with_rows(self, rows: Sequence[int]) -> "Table":
+    def with_rows(self, rows: Sequence[int], apart: int = 0) -> "Table":
         """Give the same table with other rows."""
-        return replace(self, rows=tuple(rows))
+        return replace(self, rows=tuple(rows), apart=apart)
 
     def cells(self, row: int) -> list[str]:
         """Split a line into its cells, with points as decimal marks."""
@@ -97,7 +101,18 @@ class Table:
         return line.split(self.separator) if self.separator else line.split()
 
     def patched(self, positions: FloatArray, changed: BoolArray) -> Patch:
-        """Write changed coordinates into their cells."""
+        """Write changed coordinates into their cells.
+
+        Raises
+        ------
+        CannotWrite
+            If a row is to be changed whose place in time is not the one that it has in the take.
+        """
+        if changed[: self.apart].any():
+            raise CannotWrite(
+                f"Rows that hold nothing stand after the first {self.apart} frames of the file, so "
+                "that their time is not certain; leave them as they are, or write another file."
+            )
         lines = list(self.text.lines)
         formats = {int(m): self._written_as(int(m)) for m in np.flatnonzero(changed.any(axis=0))}
         blank = self._example_of_blank() if not np.isfinite(positions[changed]).all() else ""

@@ -125,8 +125,20 @@ def test_the_same_take_as_csv_and_c3d(shared: Path) -> None:
 def test_frames_that_only_extra_trajectories_fill_are_frames(shared: Path) -> None:
     contents = open_contents(shared / "data/public/header_lies_about_frames.trc")
     assert contents.n_frames == 454
-    assert contents.first_frame == 2
     assert any("12 rows" in warning for warning in contents.warnings)
+
+
+def test_no_sample_changes_its_time_where_rows_are_left_out(shared: Path, tmp_path: Path) -> None:
+    path = shared / "data/public/header_lies_about_frames.trc"
+    take = read(path)
+    seen = int(np.flatnonzero(take.seen.any(axis=1))[0])
+    row = next(line for line in path.read_text().splitlines() if line.startswith("17\t"))
+    assert take.first_frame + seen == 17
+    assert f"{take.positions[seen, 0, 0]:.5f}" == row.split("\t")[2]
+    early = take.positions.copy()
+    early[seen - 1, 0] = early[seen, 0]
+    with pytest.raises(CannotWrite, match="their time is not certain"):
+        export(take, take.with_positions(early), tmp_path / "a.trc", [("HeadTop", Span(3, 4))])
 
 
 @pytest.mark.parametrize(

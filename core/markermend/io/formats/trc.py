@@ -55,7 +55,7 @@ def parse(text: TextFile) -> Parsed:
     announced = number_in([said.get("numframes", "")], 0)
     if announced is not None and announced != len(rows):
         warnings.append(f"The header announces {announced:g} frames, {len(rows)} are there.")
-    table, empty = _without_empty_ends(table)
+    table, empty, before = _without_empty_ends(table)
     if empty:
         warnings.append(
             f"{empty} rows at the ends hold no samples, only number and time, and are no frames."
@@ -74,8 +74,9 @@ def parse(text: TextFile) -> Parsed:
     units = unit_name(said.get("units"))
     if units is None and "units" in said:
         warnings.append(f"The file's unit {quoted(said['units'])!r} is not known.")
-    first = number_in(table.cells(table.rows[0]), 0)
-    return Parsed(table, names, rate, units, int(first or 0), warnings=[*warnings, *rate_warnings])
+    # Counted back from the first usual row, so that every sample has the file's own number.
+    first = int(number_in(table.cells(table.rows[before]), 0) or 0) - before
+    return Parsed(table, names, rate, units, first, warnings=[*warnings, *rate_warnings])
 
 
 def _decimal(line: str, separator: str) -> str:
@@ -83,19 +84,24 @@ def _decimal(line: str, separator: str) -> str:
     return "," if any("," in cell for cell in cells) and "." not in line else "."
 
 
-def _without_empty_ends(table: Table) -> tuple[Table, int]:
-    """Leave out rows without any cells before the first and after the last usual row."""
+def _without_empty_ends(table: Table) -> tuple[Table, int, int]:
+    """Leave out rows without any cells before the first and after the last usual row.
+
+    Says how many they are, and how many other rows are left before the first usual one.
+    """
     widths = [len(table.cells(row)) for row in table.rows]
     (usual, _), *_ = Counter(widths).most_common(1)
     first, last = widths.index(usual), len(widths) - 1 - widths[::-1].index(usual)
     if usual <= _LEADING:
-        return table, 0
+        return table, 0, 0
     kept = [
         row
         for i, (row, width) in enumerate(zip(table.rows, widths, strict=True))
         if width > _LEADING or first < i < last
     ]
-    return table.with_rows(kept), len(table.rows) - len(kept)
+    before = kept.index(table.rows[first])
+    left_out = len(table.rows) - len(kept)
+    return table.with_rows(kept, before if before < first else 0), left_out, before
 
 
 def _rate(said: float | None, table: Table) -> tuple[float | None, list[str]]:
