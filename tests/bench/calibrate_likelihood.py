@@ -12,6 +12,7 @@ reliability of all kinds together in ten bins.
 import argparse
 from collections import defaultdict
 from concurrent.futures import ProcessPoolExecutor
+from functools import cache
 from itertools import product
 from pathlib import Path
 
@@ -19,10 +20,10 @@ import numpy as np
 from scipy.optimize import minimize
 
 import markermend
+from markermend.detection import detect, scan
 from markermend.detection.likelihood.calibration import probability
-from markermend.detection.run import scan
 from markermend.evaluate.contamination import contaminate
-from markermend.model import Take
+from markermend.model import Finding, Take
 
 AMPLITUDES, SHARES = (5.0, 10.0), (0.05, 0.1, 0.2)
 IOU = 0.3
@@ -35,10 +36,15 @@ def open_take(path: Path) -> Take:
     return markermend.read(path)
 
 
+@cache
+def found_as_given(path: Path) -> tuple[Finding, ...]:
+    return detect(open_take(path), "likelihood")
+
+
 def one(job: tuple[Path, float, float, int]) -> list[tuple[str, float, bool]]:
     path, amplitude, share, seed = job
     take = open_take(path)
-    before = [f for f in scan(take, "likelihood") if f.kind != "gap"]
+    before = found_as_given(path)
     distorted, truths = contaminate(take, amplitude_mm=amplitude, share=share, seed=seed)
     rows = []
     for f in scan(distorted, "likelihood"):
@@ -48,9 +54,7 @@ def one(job: tuple[Path, float, float, int]) -> list[tuple[str, float, bool]]:
             t.kind == f.kind and t.marker == f.marker and t.span.iou(f.span) >= IOU for t in truths
         )
         known = any(
-            b.kind == f.kind and b.marker == f.marker and b.span.iou(f.span) > 0.5
-            for b in before
-            if b.strength >= 1.0
+            b.kind == f.kind and b.marker == f.marker and b.span.iou(f.span) > 0.5 for b in before
         )
         if real or not known:
             rows.append((f.kind, f.strength, real))
