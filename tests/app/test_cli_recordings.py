@@ -15,12 +15,15 @@ LIMIT_S = 30.0
 """Of computing; on a machine that does much else at once the clock on the wall says little."""
 HANGS_S = 150.0
 
-# Minutes of dense data: they are read and repaired here, and detected on in the benchmarks.
+# Minutes of dense data: they are read and repaired here, and detected on by ``make trust``.
 LONG = {
     "cmu_85_12_dynamic.c3d",
     "derived_long_hdm05_palindrome.c3d",
     "hdm05_mm_01-02_clean.c3d",
+    "labelled_prone_to_run_240hz.c3d",
     "raw_sprintbasket_gaps_metres.c3d",
+    "tennis_2players_metres.c3d",
+    "walk_vicon_clean_rtosim.c3d",
 }
 
 

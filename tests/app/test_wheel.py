@@ -66,16 +66,19 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An environment with the wheel and, without the extra, what it depends on."""
     folder = tmp_path_factory.mktemp("installed")
     environment = _environment(folder)
-    constraints = ROOT / "constraints.txt"
-    pinned = ("-c", constraints) if constraints.exists() else ()
-    pip = (environment / "python", "-m", "pip", "install", "--quiet", "--prefer-binary")
-    _run(*pip, *pinned, wheel, cwd=folder)
+    pinned = ("-c", ROOT / "constraints.txt", "--prefer-binary")
+    _run(*_pip(environment), "install", "--quiet", "--no-compile", *pinned, wheel, cwd=folder)
     return environment
 
 
 def _environment(folder: Path) -> Path:
-    venv.create(folder / "environment", with_pip=True)
+    venv.create(folder / "environment", with_pip=False)
     return folder / "environment" / ("Scripts" if os.name == "nt" else "bin")
+
+
+def _pip(environment: Path) -> tuple[object, ...]:
+    """Give the command of this environment's pip, for another environment that needs none."""
+    return (sys.executable, "-m", "pip", "--python", environment / "python")
 
 
 def _clean() -> dict[str, str]:
@@ -136,7 +139,7 @@ def test_an_installation_without_the_extra_detects_and_repairs(installed: Path, 
     assert inner
     assert all(after.seen[g["start"] : g["stop"], after.index(g["marker"])].all() for g in inner)
 
-    packages = _run(installed / "python", "-m", "pip", "list", "--format=freeze", cwd=tmp_path)
+    packages = _run(*_pip(installed), "list", "--format=freeze", cwd=tmp_path)
     assert not {"panel", "bokeh", "pyvista", "holoviews"} & {
         line.partition("==")[0].lower() for line in packages.splitlines()
     }
@@ -155,7 +158,7 @@ def demo_server(wheel: Path, tmp_path: Path) -> Iterator[str]:
     """
     environment = _environment(tmp_path)
     python = environment / "python"
-    _run(python, "-m", "pip", "install", "--quiet", "--no-deps", wheel, cwd=tmp_path)
+    _run(*_pip(environment), "install", "--quiet", "--no-deps", wheel, cwd=tmp_path)
     where = "import sysconfig; print(sysconfig.get_path('purelib'))"
     site = Path(_run(python, "-c", where, cwd=tmp_path, env=_clean()).strip())
     # As a plain entry of the path: .pth files there, such as that of an editable markermend, and
@@ -202,7 +205,7 @@ def test_the_archive_installs_without_git(archive: Path, tmp_path: Path):
     where = "import sysconfig; print(sysconfig.get_path('purelib'))"
     site = Path(_run(python, "-c", where, cwd=tmp_path, env=away).strip())
     (site / "borrowed.pth").write_text(sysconfig.get_path("purelib") + "\n")  # has hatchling
-    pip = (python, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation")
+    pip = (*_pip(environment), "install", "--quiet", "--no-deps", "--no-build-isolation")
     _run(*pip, archive, cwd=tmp_path, env=away)
     said = _run(environment / "markermend", "--version", cwd=tmp_path, env=away)
     assert said == f"markermend {mm.__version__}\n"
