@@ -138,9 +138,9 @@ class Classification:
         }
 
     def table(self) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-        """Give the columns and rows of a table for the terminal: one row per class."""
+        """Give the columns and rows of a table for the terminal: one row per kind, one of all."""
         columns = (
-            "detector", "mm", "share", "class", "TPR %", "+-", "FPR %", "+-", "F", "found %",
+            "detector", "mm", "share", "class", "TPR %", "+-", "FPR %", "+-", "F", "MCC", "found %",
             "false/min", "unmodified/min", "of these jump",
         )  # fmt: skip
         rows = []
@@ -148,24 +148,39 @@ class Classification:
             for kind in KINDS:
                 rate, spans = cell.classes[kind], cell.spans[kind]
                 off = cell.errors.get(kind, (None, None))
-                numbers = (rate.tpr, off[0], rate.fpr, off[1], rate.f, spans.found_percent)
-                digits = (1, 1, 1, 1, 3, 1)
+                numbers = (
+                    rate.tpr, off[0], rate.fpr, off[1], rate.f, rate.mcc, spans.found_percent
+                )  # fmt: skip
+                digits = (1, 1, 1, 1, 3, 3, 1)
                 rows.append(
                     (
                         cell.detector,
                         f"{cell.amplitude_mm:g}",
                         f"{cell.share:g}",
                         kind,
-                        *(
-                            "-" if number is None else f"{number:.{n}f}"
-                            for number, n in zip(numbers, digits, strict=True)
-                        ),
+                        *map(_rounded, numbers, digits),
                         f"{spans.false_per_minute:.1f}",
                         f"{spans.unmodified_per_minute:.1f}",
                         f"{spans.confirmed_per_minute:.1f}",
                     )
                 )
+            # Clear samples dominate what is said of all.
+            whole = (None, None, None, None, cell.f, cell.mcc, None, None, None, None)
+            digits = (1, 1, 1, 1, 4, 4, 1, 1, 1, 1)
+            rows.append(
+                (
+                    cell.detector,
+                    f"{cell.amplitude_mm:g}",
+                    f"{cell.share:g}",
+                    "all",
+                    *map(_rounded, whole, digits),
+                )
+            )
         return columns, rows
+
+
+def _rounded(number: float | None, digits: int) -> str:
+    return "-" if number is None else f"{number:.{digits}f}"
 
 
 @dataclass(frozen=True)

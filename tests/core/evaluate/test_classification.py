@@ -59,12 +59,13 @@ def test_seeded_and_each_simulation_by_itself(table):
     assert (2 * two - first > -1e-9).all()
 
 
-def test_json_is_strict_and_table_has_a_row_per_kind(table):
+def test_json_is_strict_and_table_has_a_row_per_kind_and_one_of_all(table):
     text = json.dumps(table.to_json(), allow_nan=False)
     assert json.loads(text)["experiment"] == "e1"
     columns, rows = table.table()
-    assert len(rows) == 4
+    assert [row[3] for row in rows] == ["peak", "noise", "step", "slow", "all"]
     assert {len(row) for row in rows} == {len(columns)}
+    assert rows[-1][columns.index("MCC")] == f"{table.cells[0].mcc:.4f}"
 
 
 def test_what_jumps_in_the_take_as_it_is_is_told_apart():
