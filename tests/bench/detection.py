@@ -3,8 +3,8 @@
 ``python -m tests.bench.detection [--frames A,B] [--json FILE]`` scans simulated takes of 53 markers
 of 2,200, 22,000 and 200,000 frames with artefacts in them, and gives the seconds, how they grow
 with the frames, and the largest memory that the process ever held, the take itself included. Python
-and its libraries, once loaded, hold about 120 MB of it. The seconds of takes below 10,000 frames are
-the median of five; on a busy machine they are up to half as much again, since caches are shared.
+and its libraries, once loaded, hold about 120 MB of it. The seconds of a take below 10,000 frames
+are the median of five; on a busy machine they are half as much again, since caches are shared.
 """
 
 import argparse
