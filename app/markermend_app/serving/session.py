@@ -4,18 +4,38 @@ from collections.abc import Callable
 from typing import Any
 
 import panel as pn
+from bokeh.document import Document
 
 from markermend_app.serving.login import PERSON
 from markermend_app.serving.metrics import Metrics
 from markermend_app.state.intents import perform
+from markermend_app.state.jobs import Schedule
 from markermend_app.state.people import Person
 from markermend_app.state.second_review import Comparing
 from markermend_app.state.together import Together
 from markermend_app.state.workspace import Workspace
+from markermend_app.views.component import at_once
 from markermend_app.views.page import build
 
 Who = Callable[[str], Person | None]
 Begin = Callable[[Comparing], None]
+
+
+def on_the_page_of(document: Document) -> Schedule:
+    """Give what has a function called on the thread of a page; threads of work use it.
+
+    Bokeh takes a document apart before it tells that the page is gone: what comes in between has
+    nobody left to be told to.
+    """
+
+    def schedule(task: Callable[[], None]) -> None:
+        try:
+            document.add_next_tick_callback(at_once(task))
+        except (AttributeError, RuntimeError):
+            if document.session_context is not None:
+                raise
+
+    return schedule
 
 
 def visit(
@@ -48,10 +68,7 @@ def visit(
         if person is None:
             raise PermissionError("a session belongs to nobody who may come in")
 
-    def schedule(task: Callable[[], None]) -> None:
-        document.add_next_tick_callback(task)
-
-    desk = Together(workspace, schedule, person)
+    desk = Together(workspace, on_the_page_of(document), person)
     page = build(desk)
     if metrics is not None:
         metrics.sessions.inc()
