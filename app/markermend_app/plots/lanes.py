@@ -158,7 +158,11 @@ class Lanes:
             **{f"{a}0": chosen[a][:n] - half for a in "xyz"},
             **{f"{a}1": chosen[a][:n] + half for a in "xyz"},
         }
-        for fig, (low, high) in zip(self.axes, values.y_ranges, strict=False):
+        self.fit(values.y_ranges)
+
+    def fit(self, y_ranges: tuple[tuple[float, float], ...]) -> None:
+        """Scale the lanes."""
+        for fig, (low, high) in zip(self.axes, y_ranges, strict=False):
             fig.y_range.update(start=low, end=high)
 
     def fit_ruler(self) -> None:

@@ -17,11 +17,8 @@ from bokeh.plotting import figure
 
 from markermend.model import FloatArray
 from markermend_app.plots.figures import GUTTER, paint
-from markermend_app.state.values import OverviewValues
+from markermend_app.state.values import OverviewValues, SpanMark
 from markermend_app.style.tokens import TOKENS
-
-MOST_PATCHES = 200
-"""Values that are sent one by one; of more than these all are sent."""
 
 
 class Overview:
@@ -85,17 +82,20 @@ class Overview:
         self.figure: Any = fig
         self._shade: FloatArray | None = None
         self._theme = ""
+        self._marks: tuple[tuple[str, SpanMark], ...] = ()
 
     def show(self, values: OverviewValues, theme: str) -> None:
         """Show another take, other findings or another theme, in place; only what has changed."""
         tokens = TOKENS[theme]
+        anew = values.shade is not self._shade or theme != self._theme
         if values.shade is not self._shade:
             self._shade = values.shade
             self._show_take(values)
         if theme != self._theme:
             self._theme = theme
             self._restyle(tokens)
-        self._show_marks(values, tokens)
+        self._show_marks(values, tokens, anew)
+        self._show_ring(values)
 
     def _show_take(self, values: OverviewValues) -> None:
         n_rows = max(1, len(values.shade))
@@ -117,42 +117,57 @@ class Overview:
         self.playhead.line_color = tokens["ink"]
         self.selected.glyph.line_color = tokens["ink"]
 
-    def _show_marks(self, values: OverviewValues, tokens: dict[str, str]) -> None:
-        least = values.duration_s / 220  # about four pixels
-        columns: dict[str, list[Any]] = {name: [] for name in self.marks.data}
+    def _show_marks(self, values: OverviewValues, tokens: dict[str, str], anew: bool) -> None:
+        """Send what differs: mostly one mark that is settled now."""
+        before, self._marks = self._marks, values.marks
+        if anew or len(before) != len(values.marks):
+            rows = [_drawn(values, label, mark, tokens) for label, mark in values.marks]
+            columns = list(zip(*rows, strict=True)) or [()] * len(self.marks.data)
+            self.marks.data = {
+                name: list(column) for name, column in zip(self.marks.data, columns, strict=True)
+            }
+            return
+        both = enumerate(zip(before, values.marks, strict=True))
+        differ = [i for i, (a, b) in both if a is not b]
+        patches: dict[str, list[tuple[int, Any]]] = {}
+        for i in differ:
+            drawn = _drawn(values, *values.marks[i], tokens)
+            for name, value in zip(self.marks.data, drawn, strict=True):
+                if self.marks.data[name][i] != value:
+                    patches.setdefault(name, []).append((i, value))
+        if patches:
+            self.marks.patch(patches)
+
+    def _show_ring(self, values: OverviewValues) -> None:
         ring: dict[str, list[float]] = {name: [] for name in self.ring.data}
+        least = _least(values)
         for label, mark in values.marks:
-            more = max(0.0, least - (mark.stop_s - mark.start_s)) / 2
-            row = values.rows[label]
-            box = (mark.start_s - more, mark.stop_s + more, row + 0.02, row + 0.98)
-            fill = "rgba(0,0,0,0)" if mark.settled else tokens[mark.kind]
-            entry = (mark.id, *box, fill, tokens[mark.kind])
-            for name, value in zip(columns, entry, strict=True):
-                columns[name].append(value)
             if mark.selected:
-                grown = (box[0] - least / 2, box[1] + least / 2, row - 0.9, row + 1.9)
+                left, right = _edges(values, mark)
+                row = values.rows[label]
+                grown = (left - least / 2, right + least / 2, row - 0.9, row + 1.9)
                 for name, value in zip(ring, grown, strict=True):
                     ring[name].append(value)
-        _bring_up_to_date(self.marks, columns)
-        _bring_up_to_date(self.ring, ring)
+        if ring != self.ring.data:
+            self.ring.data = ring
 
 
-def _bring_up_to_date(source: ColumnDataSource, columns: dict[str, list[Any]]) -> None:
-    """Send what differs: mostly one mark that is settled now."""
-    shown = source.data
-    n = len(next(iter(columns.values())))
-    if n != len(next(iter(shown.values()))):
-        source.data = columns
-        return
-    patches = {}
-    for name, values in columns.items():
-        differ = [i for i, (a, b) in enumerate(zip(shown[name], values, strict=True)) if a != b]
-        if differ:
-            patches[name] = [(i, values[i]) for i in differ]
-    if sum(map(len, patches.values())) > MOST_PATCHES:
-        source.data = columns
-    elif patches:
-        source.patch(patches)
+def _least(values: OverviewValues) -> float:
+    """Give the shortest time that is drawn, about four pixels."""
+    return values.duration_s / 220
+
+
+def _edges(values: OverviewValues, mark: SpanMark) -> tuple[float, float]:
+    more = max(0.0, _least(values) - (mark.stop_s - mark.start_s)) / 2
+    return mark.start_s - more, mark.stop_s + more
+
+
+def _drawn(
+    values: OverviewValues, label: str, mark: SpanMark, tokens: dict[str, str]
+) -> tuple[Any, ...]:
+    """Give what one mark has in each of the columns."""
+    row, fill = values.rows[label], "rgba(0,0,0,0)" if mark.settled else tokens[mark.kind]
+    return (mark.id, *_edges(values, mark), row + 0.02, row + 0.98, fill, tokens[mark.kind])
 
 
 def _cut(name: str, most: int = 8) -> str:

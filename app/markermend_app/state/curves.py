@@ -1,17 +1,20 @@
 """What the lanes show of a desk: asked of the library, put into values."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from markermend import curves
 from markermend.model import Finding, FloatArray, Span, Take
 from markermend.repairing import Repair
+from markermend.review import Judgement
 from markermend_app.state.desk import Desk
 from markermend_app.state.evidence import Surroundings, signal_of, surroundings
 from markermend_app.state.values import (
     Curve,
     EventMark,
+    EvidenceCurve,
     LaneValues,
     Line,
     RepairValues,
@@ -26,29 +29,41 @@ SMALL = 0.05
 """Share of the lane's range below which an artefact cannot be seen without subtracting it."""
 
 
-def marks(desk: Desk, marker: str | None = None) -> list[tuple[str, SpanMark]]:
-    """Give the coloured spans of one marker, or of all, with their markers."""
+Mark = tuple[str, SpanMark]
+_MADE: WeakKeyDictionary[Desk, dict[str, tuple[Judgement, Mark]]] = WeakKeyDictionary()
+
+
+def marks(desk: Desk, marker: str | None = None) -> list[Mark]:
+    """Give the coloured spans of one marker, or of all, with their markers.
+
+    What has not changed is the same object as before: of thousands, one changes at a time.
+    """
     if desk.opened is None:
         return []
-    rate, found = desk.opened.take.rate, []
+    rate, found, made = desk.opened.take.rate, [], _MADE.setdefault(desk, {})
     for finding in desk.findings:
         if marker is not None and finding.marker != marker:
             continue
-        judged = desk.judged(finding)
-        found.append(
-            (
-                finding.marker,
-                SpanMark(
-                    id=finding.id,
-                    start_s=(judged.span.start - 0.5) / rate,
-                    stop_s=(judged.span.stop - 0.5) / rate,
-                    kind=judged.kind,
-                    settled=judged.decision.settled,
-                    selected=finding.id == desk.selected,
-                ),
-            )
-        )
+        judged, known = desk.judged(finding), made.get(finding.id)
+        if known is None or known[0] is not judged:
+            known = made[finding.id] = (judged, _mark(judged, rate))
+        mark = known[1]
+        if finding.id == desk.selected:
+            mark = (mark[0], replace(mark[1], selected=True))
+        found.append(mark)
     return found
+
+
+def _mark(judged: Judgement, rate: float) -> Mark:
+    finding = judged.finding
+    mark = SpanMark(
+        id=finding.id,
+        start_s=(judged.span.start - 0.5) / rate,
+        stop_s=(judged.span.stop - 0.5) / rate,
+        kind=judged.kind,
+        settled=judged.decision.settled,
+    )
+    return finding.marker, mark
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +157,7 @@ def lanes(desk: Desk) -> LaneValues | None:
         raw=scene.curve(outside, scene.start),
         inside=inside,
         marks=tuple(mark for _, mark in marks(desk, desk.marker)),
-        evidence=signal_of(desk.opened, desk.signal, scene.finding, _around(desk, scene)),
+        evidence=_thinned(signal_of(desk.opened, desk.signal, scene.finding, _around(desk, scene))),
         kind=desk.judged(scene.finding).kind if scene.finding else "gap",
         partner=Curve()
         if partner is None
@@ -160,6 +175,15 @@ def lanes(desk: Desk) -> LaneValues | None:
         events=events(take),
         relative=scene.away is not None,
     )
+
+
+def _thinned(signal: EvidenceCurve | None) -> EvidenceCurve | None:
+    """Leave as many points as can be told apart on a screen."""
+    if signal is None or len(signal.time) <= MOST_POINTS:
+        return signal
+    indices, thin = curves.thinned(signal.signal[:, None], MOST_POINTS)
+    time = np.interp(indices, np.arange(len(signal.time)), signal.time)
+    return replace(signal, time=time, signal=thin[:, 0])
 
 
 def events(take: Take) -> tuple[EventMark, ...]:

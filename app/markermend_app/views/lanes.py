@@ -25,6 +25,10 @@ REPAIRS_SHOW = (
 )  # fmt: skip
 DRAG_MS = 200
 """A drag of the tab has ended when it has rested that long."""
+REACH = 0.9
+"""How far a window may move, in its own width, before more of the curves is sent."""
+ALIKE = 0.7
+"""How much narrower or wider it may become."""
 OVERVIEW_SHOWS = ("opened", "review", "findings", "selected", "theme")
 
 
@@ -52,23 +56,49 @@ class LanesView:
         self.lanes.ruler.tab.on_change("left", self._dragged)
         self.lanes.ruler.tab.on_change("right", self._dragged)
         self._filling = False
+        self._shown: tuple[tuple[float, float], bool] = ((0.0, 0.0), False)
         self._rest: Any = None
         desk.param.watch(self._rewindow, ["window"])
         desk.param.watch(self._refill, list(LANES_SHOW))
         desk.param.watch(self._refill_repairs, list(REPAIRS_SHOW))
         self._rewindow()
 
-    def _refill(self, *_: object) -> None:
+    def _refill(self, *events: Any) -> None:
+        if self._still_serves(events):
+            self.lanes.fit_ruler()
+            return
         values = curves.lanes(self.desk)
         if values is not None:
+            self._shown = self.desk.window, values.relative
             self._filling = True
             self.lanes.show(values, self.desk.theme)
             self._filling = False
 
-    def _refill_repairs(self, *_: object) -> None:
+    def _refill_repairs(self, *events: Any) -> None:
         values = curves.repairs(self.desk)
-        if values is not None:
+        if values is None:
+            return
+        if self._still_serves(events):
+            self.lanes.fit(values.y_ranges)
+        else:
             self.lanes.show_repairs(values)
+
+    def _still_serves(self, events: tuple[Any, ...]) -> bool:
+        """Tell whether only the window has moved, and what is drawn reaches beyond it.
+
+        What is drawn is the window that it was made for and as much again on both sides.
+        """
+        if [getattr(event, "name", "") for event in events] != ["window"]:
+            return False
+        (first, last), relative = self._shown
+        low, high = self.desk.window
+        reach = REACH * (last - first)
+        return (
+            first - reach <= low
+            and high <= last + reach
+            and ALIKE <= (high - low) / max(last - first, 1e-9) <= 1 / ALIKE
+            and curves.is_relative(self.desk) == relative
+        )
 
     def _rewindow(self, *_: object) -> None:
         low, high = self.desk.window

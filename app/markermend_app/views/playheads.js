@@ -5,10 +5,12 @@
 let entries = [];
 
 // Bokeh asks for the style of an element for every line, fill and word that it paints, in case a
-// style sheet says otherwise (`--bk-…`), and each time the browser has to bring the whole page's style
-// up to date. Ours say nothing of the kind.
-function withoutStyleSheets(visuals) {
-  for (const visual of visuals) {
+// style sheet says otherwise (`--bk-…`), and for the size of letters by which relative ones are
+// measured; each time the browser has to bring the whole page's style up to date. Ours say nothing
+// of the kind, and all letters in figures are so many pixels high.
+function withoutStyleSheets(plot) {
+  Object.defineProperty(plot, "base_font_size", { value: plot.base_font_size });
+  for (const visual of plot.visuals) {
     let kind = visual;
     while (kind && !Object.hasOwn(kind, "_get_css_value")) kind = Object.getPrototypeOf(kind);
     if (kind) kind._get_css_value = () => "";
@@ -16,8 +18,8 @@ function withoutStyleSheets(visuals) {
 }
 
 function attach(view) {
-  const { canvas_view: canvas, model: plot, visuals } = view.plot_view;
-  withoutStyleSheets(visuals);
+  const { canvas_view: canvas, model: plot } = view.plot_view;
+  withoutStyleSheets(view.plot_view);
   const line = document.createElement("div");
   line.className = "playhead";
   Object.assign(line.style, { position: "absolute", left: 0, pointerEvents: "none" });
