@@ -17,7 +17,7 @@ from markermend.recipes import Recipe
 from markermend.review import Accept, Annotate, Merge, MoveEdges, Reject, Review, Split
 from markermend.review.decisions import decisions_on
 
-LONGEST, _LINES = 48_000, 16
+LONGEST, _LINES = 48_000, 10
 """Bytes and lines of a seed: a short file is tried more often in the same time."""
 
 _NEXUS = """Trajectories

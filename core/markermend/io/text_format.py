@@ -12,7 +12,7 @@ from markermend.errors import UnreadableTake
 from markermend.io.contents import Contents, unique_labels, warned
 from markermend.io.format import Format, Patch, Patching, Reading
 from markermend.io.roles import roles_of
-from markermend.io.table import Table, as_number
+from markermend.io.table import Table, as_number, bare
 from markermend.io.textfile import MOST_BYTES, TextFile, sniff
 from markermend.model import BoolArray, FloatArray, Role, Take
 
@@ -141,8 +141,11 @@ def rate_of_times(table: Table, column: int) -> float | None:
 def coordinate_names(cells: Sequence[str]) -> list[tuple[str, tuple[int, ...]]]:
     """Find runs of three columns ``name-TX, name-TY, name-TZ`` and the like in a header line."""
     found: list[tuple[str, tuple[int, ...]]] = []
-    for i in range(len(cells) - 2):
-        names = [_axis(cells[i + k].strip().strip('"').strip(), "XYZ"[k]) for k in range(3)]
+    words = [bare(cell) for cell in cells]
+    for i in range(len(words) - 2):
+        if words[i][-1:] not in ("X", "x"):
+            continue
+        names = [_axis(words[i + k], "XYZ"[k]) for k in range(3)]
         if names[0] is not None and names[0] == names[1] == names[2]:
             found.append((names[0], (i, i + 1, i + 2)))
     return found
