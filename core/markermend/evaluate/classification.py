@@ -165,15 +165,16 @@ class Classification:
                     )
                 )
             # Clear samples dominate what is said of all.
-            whole = (None, None, None, None, cell.f, cell.mcc, None, None, None, None)
-            digits = (1, 1, 1, 1, 4, 4, 1, 1, 1, 1)
             rows.append(
                 (
                     cell.detector,
                     f"{cell.amplitude_mm:g}",
                     f"{cell.share:g}",
                     "all",
-                    *map(_rounded, whole, digits),
+                    *("-",) * 4,
+                    _rounded(cell.f, 4),
+                    _rounded(cell.mcc, 4),
+                    *("-",) * 4,
                 )
             )
         return columns, rows
