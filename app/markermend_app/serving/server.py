@@ -34,6 +34,7 @@ from markermend_app.serving.handlers import (
 from markermend_app.serving.headers import Guarded, GuardedByTls
 from markermend_app.serving.login import Basic, Bound, Gate, Oauth
 from markermend_app.serving.metrics import Metrics
+from markermend_app.state.memory import keep_little
 
 UNUSED = (AutoloadJsHandler, MetadataHandler, ComponentResourceHandler)
 """What Panel would serve and no page here asks for: a page for other sites, and any module."""
@@ -93,6 +94,7 @@ def make(serving: Serving, page: Callable[[], Any], **options: Any) -> Any:
     options
         Passed on to `panel.io.server.get_server`.
     """
+    keep_little()
     pn.extension("vtk", notifications=False)
     # Panel's own places of these would be read from the environment.
     pn.config.cookie_secret = serving.secret

@@ -3,7 +3,6 @@
 What is asked for comes in by stdin, answers go out by stdout, both as pickles.
 """
 
-import ctypes
 import os
 import pickle
 import queue
@@ -11,11 +10,11 @@ import shutil
 import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import suppress
 from typing import IO, Any
 
 from markermend.errors import MarkerMendError
 from markermend_app.state.computing import FOLDERS
+from markermend_app.state.memory import give_back, keep_little
 
 PRIORITY = 5
 """Nicer than the server by so much: an answer to the operator comes first."""
@@ -40,20 +39,17 @@ class Streams:
 
     def next(self, number: int) -> tuple[bool, Any]:
         """Give whether there was one more, and it."""
-        for value in self._open[number]:
-            return True, value
-        return False, None
+        try:
+            for value in self._open[number]:
+                return True, value
+            return False, None
+        finally:
+            give_back()
 
     def drop(self, number: int) -> None:
         """Forget a generator, and give back the memory that it took."""
         self._open.pop(number, None)
         give_back()
-
-
-def give_back() -> None:
-    """Give memory that is not used back to the system, where that has to be asked for."""
-    with suppress(OSError, AttributeError):
-        ctypes.CDLL(None).malloc_trim(0)
 
 
 def _hear(requests: "queue.SimpleQueue[tuple[int, Any]]", source: IO[bytes]) -> None:
@@ -74,6 +70,7 @@ def _hear(requests: "queue.SimpleQueue[tuple[int, Any]]", source: IO[bytes]) -> 
 
 def main() -> None:
     """Answer until nobody asks any more."""
+    keep_little()
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a library prints is no answer
     if hasattr(os, "nice"):

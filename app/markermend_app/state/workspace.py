@@ -19,6 +19,7 @@ from markermend.review.store import Store
 from markermend.review.triage import Triage, learn
 from markermend_app.state import computing, keeping
 from markermend_app.state.archive import Archive
+from markermend_app.state.memory import give_back
 from markermend_app.state.places import Takes, extensions, within_reach
 from markermend_app.state.reach import Reach
 from markermend_app.state.skeletons import Bone, by_labels
@@ -165,6 +166,7 @@ class Workspace:
                 self._kept[key] = Opened(take, gaps, mesh, complete=found is not None)
                 while len(self._kept) > self.KEPT:
                     self._kept.popitem(last=False)
+                give_back()
             self._kept.move_to_end(key)
             return self._kept[key]
 
