@@ -29,7 +29,7 @@ from markermend.model import Span, Take
 from markermend.review import Review
 from markermend.review.decisions import decisions_on
 
-MINUTES = 4.0
+MINUTES = 6.0
 STEPS = {"open", "write", "flush", "fsync", "close", "replace", "chmod", "mkdir", "unlink"}
 """What of the writing the operating system sees; a case is killed before and after each."""
 NOBODY = 65534
@@ -45,7 +45,7 @@ def run(budget: Budget) -> Iterator[Outcome]:
     jobs = _jobs()
     if budget.short:
         jobs = {"C3D patched": jobs["C3D patched"]}
-    yield _killed(jobs, budget)
+    yield _killed(jobs, budget.share(0.7))
     yield _cut(jobs, budget)
     yield _refused(jobs, budget)
     yield _read_only(jobs)

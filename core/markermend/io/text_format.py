@@ -116,6 +116,10 @@ def text_format(
     )
 
 
+_LATEST_S = 1e9
+"""No recording has later times; what is beyond is no time."""
+
+
 def number_in(cells: Sequence[str], place: int) -> float | None:
     """Read a finite number of a header line, or None."""
     number = as_number(cells[place].replace(",", ".")) if place < len(cells) else None
@@ -127,8 +131,10 @@ def rate_of_times(table: Table, column: int) -> float | None:
     cells = [table.cells(row) for row in table.rows]
     times = [as_number(c[column]) if column < len(c) else None for c in cells]
     array = np.array([math.nan if t is None else t for t in times])
+    if len(array) < 2 or not (np.abs(array) < _LATEST_S).all():
+        return None
     steps = np.diff(array)
-    if len(steps) == 0 or not np.isfinite(steps).all() or (steps <= 0).any():
+    if (steps <= 0).any():
         return None
     mean = float(steps.mean())
     # Times are often rounded to ms, so the mean step is the measure and single ones may differ.

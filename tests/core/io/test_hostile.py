@@ -25,6 +25,38 @@ def takes_with(labels: list[str] | tuple[str, ...]) -> Take:
     return Take(positions, 100.0, labels)
 
 
+@pytest.mark.parametrize(
+    ("shape", "first", "said"),
+    [
+        ((3, 0, 3), 1, "3 frames of 0 markers"),
+        ((0, 2, 3), 1, "0 frames of 2 markers"),
+        ((3, 2, 3), np.nan, "whole number"),
+        ((3, 2, 3), np.inf, "whole number"),
+        ((3, 2, 3), 1e300, "whole number"),
+        ((3, 2, 3), "<b>", "whole number"),
+    ],
+)
+def test_odd_arrays_are_refused(
+    tmp_path: Path, shape: tuple[int, ...], first: object, said: str
+) -> None:
+    np.savez(tmp_path / "a.npz", positions=np.ones(shape), first_frame=np.array(first))
+    with pytest.raises(UnreadableTake, match=said):
+        read(tmp_path / "a.npz", units="mm", rate=100.0)
+
+
+@pytest.mark.parametrize("times", [("inf", "inf"), ("1e308", "-1e308"), ("nan", "1")])
+def test_times_that_are_none_give_no_rate(tmp_path: Path, times: tuple[str, str]) -> None:
+    path = tmp_path / "a.trc"
+    write(takes_with(["A", "B"]), path)
+    lines = path.read_text().splitlines()
+    lines[2] = lines[2].replace("100", "0", 1)
+    for row, time in zip((-2, -1), times, strict=True):
+        cells = lines[row].split("\t")
+        lines[row] = "\t".join([cells[0], time, *cells[2:]])
+    path.write_text("\n".join(lines))
+    assert open_contents(path).rate is None
+
+
 @pytest.mark.parametrize("extension", ["c3d", "trc", "npz", "tsv"])
 def test_hostile_labels_are_read_as_text_without_what_cannot_be_seen(
     extension: str, tmp_path: Path

@@ -30,6 +30,7 @@ _NAMES = (
 )
 """What is read of an archive; whatever else is in it costs nothing."""
 _MOST_BYTES = 32 * MOST_SAMPLES
+_LAST_FRAME = 2**31
 _ROLES: tuple[Role, ...] = ("measured", "unlabelled", "model")
 
 
@@ -57,6 +58,13 @@ def open_npz(path: Path, _reading: Reading) -> Contents:
         )
     positions = positions.astype(np.float64)
     n_frames, n_points, n_dims = positions.shape
+    if not n_frames or not n_points:
+        raise UnreadableTake(
+            f"{path.name} holds {n_frames} frames of {n_points} markers; a take has some of both."
+        )
+    first = _number(arrays, "first_frame") if "first_frame" in arrays else 1.0
+    if first is None or not float(first).is_integer() or abs(first) > _LAST_FRAME:
+        raise UnreadableTake(f"first_frame in {path.name} must be a whole number, such as 1.")
     check_size(n_frames, n_points)
     names = [str(name) for name in arrays.get("labels", np.array([])).ravel()]
     if not names:
@@ -77,7 +85,7 @@ def open_npz(path: Path, _reading: Reading) -> Contents:
         units="px" if n_dims == 2 else unit_name(str(arrays.get("units", ""))),
         labels=labels,
         roles=roles if fitting else roles_of(labels, names),  # type: ignore[arg-type]
-        first_frame=int(_number(arrays, "first_frame") or 1) if "first_frame" in arrays else 1,
+        first_frame=int(first),
         events=_events(arrays),
         warnings=warned(odd),
     )
