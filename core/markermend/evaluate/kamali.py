@@ -25,9 +25,8 @@ from markermend.evaluate.parallel import in_order
 from markermend.model import FloatArray, Span, Take
 from markermend.repairing.lowrank import (
     Solved,
-    by_sparse_low_rank,
     by_truncated_norm,
-    frequency_penalty,
+    sparse_solver,
 )
 from markermend.repairing.run import REPAIRS
 
@@ -261,15 +260,10 @@ def _solve(data: FloatArray, rate: float, method: str, weight: float | None) -> 
     known = np.isfinite(data)
     defaults: dict[str, Any] = {p.name: p.default for p in REPAIRS.get(method).parameters}
     if method in SPARSE:
-        penalty = frequency_penalty(
-            len(data),
-            rate,
-            defaults["weight"] if weight is None else weight,
-            defaults["cutoff"],
-            defaults["high"],
-        )
-        group = method == "gslr"
-        return by_sparse_low_rank(data, known, penalty, group, ITERATIONS, TOLERANCE)
+        used = defaults["weight"] if weight is None else weight
+        frequencies = (used, defaults["cutoff"], defaults["high"])
+        solve = sparse_solver(rate, *frequencies, method == "gslr", ITERATIONS, TOLERANCE)
+        return solve(data, known)
     rank, rounds = (defaults["rank"], defaults["rounds"]) if method == "tnn" else (0, 1)
     return by_truncated_norm(data, known, rank, rounds, ITERATIONS, TOLERANCE)
 

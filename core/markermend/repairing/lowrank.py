@@ -256,6 +256,34 @@ def frequency_penalty(
     return np.where(frequency > cutoff, weight * high, weight)
 
 
+def sparse_solver(
+    rate: float,
+    weight: float,
+    cutoff: float,
+    high: float,
+    group: bool,
+    iterations: int,
+    tolerance: float,
+) -> Solver:
+    """Give what completes a matrix of any length by few patterns and few frequencies.
+
+    Parameters
+    ----------
+    rate
+        Hz.
+    weight, cutoff, high
+        As in `frequency_penalty`.
+    group, iterations, tolerance
+        As in `by_sparse_low_rank`.
+    """
+
+    def solve(data: FloatArray, known: BoolArray) -> Solved:
+        penalty = frequency_penalty(len(data), rate, weight, cutoff, high)
+        return by_sparse_low_rank(data, known, penalty, group, iterations, tolerance)
+
+    return solve
+
+
 def _transform(matrix: FloatArray) -> np.ndarray:
     return np.fft.rfft(matrix, axis=0, norm="ortho")
 

@@ -2,15 +2,9 @@
 
 from typing import Annotated
 
-from markermend.model import BoolArray, FloatArray
 from markermend.params import Within
 from markermend.registry import method
-from markermend.repairing.lowrank import (
-    Solved,
-    by_sparse_low_rank,
-    fill_by_matrix,
-    frequency_penalty,
-)
+from markermend.repairing.lowrank import fill_by_matrix, sparse_solver
 from markermend.repairing.problem import Outcome, Problem
 
 
@@ -62,9 +56,5 @@ def gslr(
     CannotRepair
         If the marker, or every other one, is not seen around the span.
     """
-
-    def solve(data: FloatArray, known: BoolArray) -> Solved:
-        penalty = frequency_penalty(len(data), problem.rate, weight, cutoff, high)
-        return by_sparse_low_rank(data, known, penalty, True, iterations, tolerance)
-
+    solve = sparse_solver(problem.rate, weight, cutoff, high, True, iterations, tolerance)
     return fill_by_matrix(problem, context, markers, solve)
