@@ -5,8 +5,9 @@
 Every operator logs in, opens the demonstration take in a window of its own, and decides and takes
 back by the websocket as a browser would, with a pause between. The time of a decision is from the
 message to the page that shows it, on this machine. At the end the store must hold exactly what was
-acknowledged: nothing lost, nothing twice. ``--until 500`` adds operators until that many ms are not
-kept by 95 of 100 decisions, and says how many it held.
+acknowledged: nothing lost, nothing twice. ``--postgres`` keeps the reviews in a PostgreSQL server
+of its own that waits for its disk at every commit, else they lie in a file. ``--until 500`` adds
+operators until that many ms are not kept by 95 of 100 decisions, and says how many it held.
 """
 
 import argparse
@@ -18,10 +19,12 @@ import shutil
 import statistics
 import tempfile
 import time
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import psutil
+from tests.bench.team import server
 from tests.visitor import Served, Visitor, free_ports
 
 from markermend.assets import demonstration
@@ -59,11 +62,11 @@ class Figures:
 class Bench:
     """One server and its operators."""
 
-    def __init__(self, folder: Path, most: int, processes: int) -> None:
+    def __init__(self, folder: Path, store: str, most: int, processes: int) -> None:
         archive, people = folder / "archive", folder / "people.json"
         archive.mkdir()
         shutil.copy(demonstration(), archive)
-        self.store = folder / "store.sqlite"
+        self.store = store
         kept = hashed(PASSWORD)
         names = [f"operator-{i:02}" for i in range(most)]
         people.write_text(json.dumps({name: {"password": kept} for name in names}))
@@ -140,8 +143,10 @@ async def run(options: argparse.Namespace) -> list[Figures]:
     """Run what the command line asks for."""
     found: list[Figures] = []
     most = options.operators if options.until is None else options.most
-    with tempfile.TemporaryDirectory() as folder:
-        bench = Bench(Path(folder), most, options.processes)
+    with tempfile.TemporaryDirectory() as folder, ExitStack() as held:
+        kept = str(Path(folder) / "store.sqlite")
+        store = held.enter_context(server()) if options.postgres else kept
+        bench = Bench(Path(folder), store, most, options.processes)
         try:
             await bench.add(options.operators)
             found.append(await bench.work(options.seconds, options.pause))
@@ -176,6 +181,7 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=300.0)
     parser.add_argument("--pause", type=float, default=1.0)
     parser.add_argument("--processes", type=int, default=1)
+    parser.add_argument("--postgres", action="store_true")
     parser.add_argument("--until", type=float, metavar="MS")
     parser.add_argument("--step", type=int, default=5)
     parser.add_argument("--most", type=int, default=80)
