@@ -5,6 +5,7 @@ from typing import Any
 
 import panel as pn
 from bokeh.document import Document
+from tornado.ioloop import IOLoop
 
 from markermend_app.serving.login import PERSON
 from markermend_app.serving.metrics import Metrics
@@ -68,7 +69,10 @@ def visit(
         if person is None:
             raise PermissionError("a session belongs to nobody who may come in")
 
-    desk = Together(workspace, on_the_page_of(document), person)
+    # What a thread added to the document itself while its changes are held together (`at_once`)
+    # would be held with them, out of turn: it is added by the thread that holds them.
+    loop, schedule = IOLoop.current(), on_the_page_of(document)
+    desk = Together(workspace, lambda task: loop.add_callback(schedule, task), person)
     page = build(desk)
     if metrics is not None:
         metrics.sessions.inc()
