@@ -14,7 +14,7 @@ from markermend_app.state.desk import Desk
 from markermend_app.state.intents import perform
 from markermend_app.state.worker import Worker
 from markermend_app.state.workspace import Opened, Workspace
-from markermend_app.views import header, queue
+from markermend_app.views import dialogs, header, queue
 
 from .conftest import METHODS, Ticks, settle
 
@@ -97,3 +97,29 @@ def test_a_take_that_was_looked_at_opens_with_everything(
     assert not desk.searching
     assert {f.kind for f in desk.findings} > {"gap"}
     assert "Still looking" not in queue.head(desk)
+
+
+def test_how_small_a_slow_change_would_be_found_is_shown_by_marker(fresh: tuple[Desk, Ticks]):
+    desk, ticks = fresh
+    settle(desk, ticks)
+    perform(desk, "thresholds")
+    assert 'data-arg="reach"' in dialogs.render(desk)
+    perform(desk, "run", "reach")
+    assert (desk.dialog, desk.busy) == ("", "Measuring how small a slow change would be found")
+    settle(desk, ticks)
+    assert desk.opened is not None
+    assert (desk.dialog, desk.busy) == ("reach", "")
+    assert desk.reach == detection.smallest_slow_changes(desk.opened.take)
+    said = dialogs.render(desk)
+    assert desk.reach
+    assert all(f"<td>{row.marker}</td>" in said for row in desk.reach)
+
+
+def test_another_detector_cannot_say_how_small(fresh: tuple[Desk, Ticks]):
+    desk, ticks = fresh
+    settle(desk, ticks)
+    desk.workspace.detector = "published"
+    perform(desk, "reach")
+    settle(desk, ticks)
+    assert "known of the detector likelihood, not of published" in desk.message
+    assert desk.busy == ""

@@ -78,6 +78,11 @@ def expected(path: Path, wish: Wish, masked: Masked, method: str) -> float:
     return found[method].expected_mm if method in found else float(np.nan)
 
 
+def reach(path: Path) -> tuple[detection.Reach, ...]:
+    """Tabulate how small a slow change may be and still be found."""
+    return detection.smallest_slow_changes(taken(path))
+
+
 def found(path: Path, detector: str) -> tuple[Finding, ...]:
     """Run a detector on the whole take."""
     return detection.scan(taken(path), detector)

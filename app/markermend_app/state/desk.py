@@ -11,6 +11,7 @@ from pathlib import Path
 
 import param
 
+from markermend.detection import Reach
 from markermend.errors import BadInput, Lacking, MarkerMendError
 from markermend.review.session import ReviewSession
 from markermend.review.triage import Triage
@@ -46,6 +47,9 @@ class Desk(Deciding):
     plan: exporting.Plan | None = param.Parameter(doc="What an export would change.")
     asked: Asked | None = param.Parameter(doc="What has to be said before the file opens.")
     takes: Takes | None = param.Parameter(doc="What can be opened, for the dialog.")
+    reach: tuple[Reach, ...] | None = param.Parameter(
+        doc="How small a slow change may be and still be found, once it was asked for."
+    )
 
     # opening
 
@@ -75,7 +79,7 @@ class Desk(Deciding):
 
     def cancel(self) -> None:
         """Give up what is being done; the desk stays as it was."""
-        for topic in ("open", "export", "report", "search"):
+        for topic in ("open", "export", "report", "search", "reach"):
             self.jobs.cancel(topic)
         if self.searching:
             self.message = "Only gaps are listed; open the take again to look for the rest."
@@ -108,6 +112,7 @@ class Desk(Deciding):
                 begun=None,
                 adding=False,
                 thresholds=AS_DESIGNED,
+                reach=None,
                 message=" ".join((*told, *opened.take.warnings)),
             )
             self._show()
@@ -123,6 +128,23 @@ class Desk(Deciding):
         self.searching = "Looking for artefacts"
         self.jobs.run(
             "search", lambda ticket: self.workspace.search(opened, ticket.valid), self._searched
+        )
+
+    def show_reach(self) -> None:
+        """Show how small a slow change may be and still be found here, marker by marker."""
+        opened = self.opened
+        if opened is None:
+            return
+        if self.reach is not None:
+            self.show("reach")
+            return
+        self.param.update(busy="Measuring how small a slow change would be found", message="")
+
+        def measured(found: tuple[Reach, ...] | None) -> None:
+            self.param.update(busy="", reach=found, dialog="" if found is None else "reach")
+
+        self.jobs.run(
+            "reach", lambda ticket: self.workspace.slow_reach(opened.take, ticket.valid), measured
         )
 
     def _searched(self, opened: Opened) -> None:

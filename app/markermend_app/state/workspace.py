@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
+from typing import TypeVar
 
 from markermend import body, detection, io
 from markermend.errors import BadInput, StoreError
@@ -25,6 +26,7 @@ from markermend_app.state.reach import Reach
 from markermend_app.state.skeletons import Bone, by_labels
 from markermend_app.state.worker import Worker
 
+T = TypeVar("T")
 Progress = Callable[[str], None]
 
 
@@ -190,7 +192,7 @@ class Workspace:
             if opened.complete or not wanted():
                 return opened
             path = self.worker.lend(opened.take)
-            found = _found(path, self.detector, wanted)
+            found = _apart(wanted, lambda apart: apart.call(computing.found, path, self.detector))
             if found is None:
                 return opened
             done = replace(opened, findings=found, complete=True)
@@ -204,6 +206,25 @@ class Workspace:
                 except OSError as error:
                     LOG.warning("What was found is not kept in %s: %s", place, error)
             return done
+
+    def slow_reach(
+        self, take: Take, wanted: Callable[[], bool] = lambda: True
+    ) -> tuple[detection.Reach, ...] | None:
+        """Tabulate how small a slow change may be and still be found; None once it is not wanted.
+
+        Raises
+        ------
+        MarkerMendError
+            If another detector is used, which cannot say so, or the process that computes ends.
+        """
+        if self.detector != detection.DEFAULT:
+            raise BadInput(
+                f"How small a slow change may be is known of the detector {detection.DEFAULT}, not "
+                f"of {self.detector}; start without --detector."
+            )
+        with self._searching:
+            path = self.worker.lend(take)
+            return _apart(wanted, lambda apart: apart.call(computing.reach, path))
 
     def _latest(self, opened: Opened) -> Opened:
         """Give what is known of a take by now, if another page has looked meanwhile."""
@@ -309,12 +330,12 @@ class Workspace:
         return folder / plain
 
 
-def _found(path: Path, detector: str, wanted: Callable[[], bool]) -> tuple[Finding, ...] | None:
-    """Run the detector in a process of its own: what it needs of memory ends with it."""
+def _apart(wanted: Callable[[], bool], ask: Callable[[Worker], T]) -> T | None:
+    """Ask it of a process of its own: what a detector needs of memory ends with it."""
     worker = Worker()
     with ThreadPoolExecutor(1) as waits:
         try:
-            result = waits.submit(worker.call, computing.found, path, detector)
+            result = waits.submit(ask, worker)
             while wait([result], timeout=PATIENCE_S).not_done:
                 if not wanted():
                     return None

@@ -1,4 +1,4 @@
-"""Dialogs about findings: note, similar ones, thresholds, history."""
+"""Dialogs about findings: note, similar ones, thresholds, what would be found, history."""
 
 from html import escape
 from math import isfinite
@@ -121,7 +121,35 @@ def thresholds(desk: Desk) -> str:
         '<header><h1 id="dialog-title">Thresholds</h1><p>The count follows at once; 1.00 is as '
         "designed. What is decided already stays.</p></header>"
         f'<div class="body"><div class="thresholds">{cells}</div><br>{learning}</div>'
-        + footer(closing("Close"))
+        + footer(
+            button(
+                "run", "Slow changes that would be found", classes="deed", arg="reach", key=False
+            ),
+            closing("Close"),
+        )
+    )
+
+
+def reach(desk: Desk) -> str:
+    """Give how small a slow change may be and still be found, the hardest markers first."""
+    table = sorted(desk.reach or (), key=lambda row: -row.fast_mm)
+    rows = "".join(
+        f"<tr><td>{escape(short(row.marker))}</td><td>{number(row.usual_mm)}</td>"
+        f"<td>{number(row.fast_mm)}</td></tr>"
+        for row in table
+    )
+    shown = (
+        "<table><thead><tr><th>Marker</th><th>Half of the time, mm</th>"
+        f"<th>Nine tenths, mm</th></tr></thead><tbody>{rows}</tbody></table>"
+        if rows
+        else '<p class="quiet">No marker here has enough others that keep their distance to it; '
+        "slow changes cannot be told from movement.</p>"
+    )
+    return (
+        '<header><h1 id="dialog-title">Slow changes that would be found</h1><p>The least amplitude '
+        "of half a second, by marker: where a marker is easy to predict, and nearly "
+        "everywhere. What is smaller stays unseen.</p></header>"
+        f'<div class="body" tabindex="0">{shown}</div>' + footer(closing("Close"))
     )
 
 
