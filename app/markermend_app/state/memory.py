@@ -5,6 +5,7 @@ the first large array even large ones come from there.
 """
 
 import ctypes
+import gc
 from contextlib import suppress
 
 MMAP_THRESHOLD, ARENA_MAX = -3, -8  # from glibc's malloc.h
@@ -21,6 +22,7 @@ def keep_little() -> None:
 
 
 def give_back() -> None:
-    """Give memory that is not used back to the system."""
+    """Give memory that is not used back to the system, also what only refers to itself."""
+    gc.collect()
     with suppress(OSError, AttributeError):
         ctypes.CDLL(None).malloc_trim(0)
