@@ -20,7 +20,7 @@ from markermend.model import Finding, FloatArray, Span, Take
 from markermend.repairing.run import REPAIRS, repair
 from markermend.simulate import simulate
 
-MINUTES = 30.0
+MINUTES = 10.0
 AWAY = np.array([2500.0, -1300.0, 400.0])
 TURN = Rotation.from_rotvec([0.7, -0.4, 1.1]).as_matrix()
 MIRROR = np.array([-1.0, 1.0, 1.0])

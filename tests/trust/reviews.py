@@ -48,7 +48,7 @@ from markermend.review import (
 from markermend.review.session import ReviewSession
 from markermend.review.store import Store
 
-MINUTES = 12.0
+MINUTES = 24.0
 OPERATORS = ("anna", "bo")
 FOUND = tuple(
     Finding(marker, Span(start, start + 5), kind, 0.5, amplitude=3.0)
