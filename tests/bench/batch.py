@@ -15,7 +15,6 @@ import shutil
 import signal
 import sqlite3
 import statistics
-import subprocess
 import sys
 import tempfile
 import time
@@ -37,12 +36,13 @@ class Run:
     def __init__(self, archive: Path, place: Path, jobs: int) -> None:
         self.out, self.store = place / "out", place / "store.sqlite"
         words = ["batch", archive, "--jobs", jobs, "--out", self.out, "--store", self.store]
+        place.mkdir(parents=True, exist_ok=True)
+        self._said = place / "said.json"  # of a thousand takes it is more than a pipe holds
         self.began = time.perf_counter()
-        self.process = psutil.Popen(
-            [sys.executable, "-m", "markermend_app", *map(str, words), "--json"],
-            stdout=subprocess.PIPE,
-            encoding="utf-8",
-        )
+        with self._said.open("w", encoding="utf-8") as said:
+            self.process = psutil.Popen(
+                [sys.executable, "-m", "markermend_app", *map(str, words), "--json"], stdout=said
+            )
         self.memory: list[tuple[float, float]] = []
         self._cpu: dict[tuple[int, float], float] = {}
 
@@ -73,7 +73,7 @@ class Run:
             self.sample()
             time.sleep(SAMPLED_S)
         wall = time.perf_counter() - self.began
-        said = json.loads(self.process.stdout.read())
+        said = json.loads(self._said.read_text(encoding="utf-8"))
         assert self.process.returncode == 0, said
         n = len(said["done"])
         return {
@@ -126,7 +126,7 @@ def kill(archive: Path, places: Path, n_takes: int, seed: int) -> dict[str, Any]
         time.sleep(rng.uniform(0.0, 2 * whole["wall_s"] / n_takes))
         hands = psutil.Process(run.process.pid).children(recursive=True)
         run.process.send_signal(signal.SIGKILL)
-        run.process.communicate()
+        run.process.wait()
         stopped = time.perf_counter()
         _, alive = psutil.wait_procs(hands, timeout=60)
         assert not alive, "a worker outlived its batch"
