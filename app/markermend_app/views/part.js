@@ -38,18 +38,23 @@ export function render({ model, el }) {
     if (event.key !== "Enter" || !event.target.matches("input, textarea[data-enter]")) return;
     event.preventDefault();
     const form = event.target.closest("[data-form]");
-    const first = form?.querySelector(".narrowed [data-do]:not([hidden])");
+    const first =
+      form?.querySelector(".narrowed .begins:not([hidden])") ??
+      form?.querySelector(".narrowed [data-do]:not([hidden])");
     const deed = first ?? form?.querySelector(".primary");
     if (deed) deed.click();
     else event.target.blur();
   });
 
-  // A list beside the field shows only what has the words typed; the browser does it by itself.
+  // A list beside the field shows only what has the words typed, what begins with them first; the
+  // browser does it by itself.
   const narrow = (field) => {
-    const words = field.value.toLowerCase().split(/\s+/);
+    const typed = field.value.trim().toLowerCase();
+    const words = typed.split(/\s+/);
     for (const entry of root.querySelectorAll(".narrowed [data-do]")) {
-      const text = entry.textContent.toLowerCase();
+      const text = entry.textContent.trim().toLowerCase();
       entry.hidden = !words.every((word) => text.includes(word));
+      entry.classList.toggle("begins", typed !== "" && text.startsWith(typed));
     }
   };
 
