@@ -139,7 +139,7 @@ def reach(desk: Desk) -> str:
         for row in table
     )
     shown = (
-        "<table class=\"named\"><thead><tr><th>Marker</th><th>Half of the time, mm</th>"
+        '<table class="named"><thead><tr><th>Marker</th><th>Half of the time, mm</th>'
         f"<th>Nine tenths, mm</th></tr></thead><tbody>{rows}</tbody></table>"
         if rows
         else '<p class="quiet">No marker here has enough others that keep their distance to it; '
