@@ -16,6 +16,10 @@ GUTTER = 68
 FONT = "Roboto, system-ui, 'Liberation Sans', sans-serif"
 
 
+WITHOUT_EDGE = {"clip-path": "inset(2px 0 0 1px)"}
+"""Bokeh leaves the first pixels of a canvas as they were, white or of the theme before."""
+
+
 def lane(x_range: Range1d, *tools: Any, **options: Any) -> Any:
     """Make a figure on the shared time axis, panned and zoomed along it only."""
     pan, wheel = PanTool(dimensions="width"), WheelZoomTool(dimensions="width")
@@ -32,6 +36,7 @@ def lane(x_range: Range1d, *tools: Any, **options: Any) -> Any:
         min_border_left=GUTTER,
         min_border_right=12,
         output_backend="canvas",
+        styles=WITHOUT_EDGE,
         **given | options,
     )
     fig.toolbar.active_drag, fig.toolbar.active_scroll = pan, wheel

@@ -16,7 +16,7 @@ from bokeh.models import (
 from bokeh.plotting import figure
 
 from markermend.model import FloatArray
-from markermend_app.plots.figures import GUTTER, paint
+from markermend_app.plots.figures import GUTTER, WITHOUT_EDGE, paint
 from markermend_app.state.values import OverviewValues, SpanMark
 from markermend_app.style.tokens import TOKENS
 
@@ -46,6 +46,7 @@ class Overview:
             min_border_top=28,
             min_border_bottom=4,
             sizing_mode="stretch_both",
+            styles=WITHOUT_EDGE,
             name="overview",
         )
         self.mapper = LinearColorMapper(palette=["#FFFFFF"], low=0, high=1)
