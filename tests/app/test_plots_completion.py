@@ -7,6 +7,7 @@ import holoviews as hv
 import numpy as np
 import pytest
 
+from markermend.evaluate.kamali_splits import Split
 from markermend.evaluate.kamali_tables import Cell, Kamali, Point
 from markermend.evaluate.li_tables import Li, Row
 from markermend_app.plots import completion, gait
@@ -56,7 +57,7 @@ def li_of(*rows: Row, projected: str = "") -> Li:
 
 
 def kamali_of(cells: tuple[Cell, ...], sweep: tuple[Point, ...] = ()) -> Kamali:
-    return Kamali(4, 3, {}, {}, {}, cells, (), sweep, (), ())
+    return Kamali(4, 3, {}, {}, {}, cells, (), sweep, (), (), ())
 
 
 def ticks(element: Any, axis: str) -> list[tuple[float, str]]:
@@ -168,6 +169,13 @@ def test_kamali_has_a_row_a_take_and_set_of_markers():
     cells = (CELL, replace(CELL, markers=37), replace(CELL, take="run"))
     picture = gait.kamali(kamali_of(cells, (POINT,)))
     assert [len(row) for row in picture.rows] == [2, 1, 1]
+    classes = [Split("run", 11, "gslr", by, 5.0, 10.0, 7, 2.0) for by in ("gaps", "share")]
+    picture = gait.kamali(replace(kamali_of(cells, (POINT,)), splits=tuple(classes)))
+    assert [len(row) for row in picture.rows] == [2, 1, 3]
+    assert [panel.title.splitlines()[0] for panel in picture.rows[2][1:]] == [
+        "By the gaps in a mask",
+        "By a gap's share of a cycle",
+    ]
     assert [row[0].title.splitlines()[0] for row in picture.rows] == [
         "walk, 11 markers",
         "walk, 37 markers",

@@ -27,7 +27,8 @@ def kamali(result: Kamali) -> Picture:
             ("share", "By a gap's share of a cycle"),
         ):
             some = [s for s in result.splits if (s.take, s.markers, s.by) == (take, markers, by)]
-            panels.append(Panel(f"{title}\nmean over gaps", by_class(some)))
+            if some:
+                panels.append(Panel(f"{title}\nmean over gaps", by_class(some)))
         rows.append(tuple(panels))
     return Picture(
         "Gaps in gait, filled by low rank and sparsity",
