@@ -108,7 +108,7 @@ COMMANDS: dict[str, str] = {
     "adding": "add a missed span by dragging over a lane",
     "filter_clear": "clear all filters",
     "bones": "bones by the labels, or inferred",
-    "reach": "how small a slow change would be found here, by marker",
+    "slow_reach": "how small a slow change would be found here, by marker",
     "learning": "order by earlier decisions, or not",
     "report": "write a report of this take",
     "archive": "the archive as a whole: worst takes, markers that fail",

@@ -103,23 +103,42 @@ def test_how_small_a_slow_change_would_be_found_is_shown_by_marker(fresh: tuple[
     desk, ticks = fresh
     settle(desk, ticks)
     perform(desk, "thresholds")
-    assert 'data-arg="reach"' in dialogs.render(desk)
-    perform(desk, "run", "reach")
+    assert 'data-arg="slow_reach"' in dialogs.render(desk)
+    perform(desk, "run", "slow_reach")
     assert (desk.dialog, desk.busy) == ("", "Measuring how small a slow change would be found")
     settle(desk, ticks)
     assert desk.opened is not None
-    assert (desk.dialog, desk.busy) == ("reach", "")
-    assert desk.reach == detection.smallest_slow_changes(desk.opened.take)
+    assert (desk.dialog, desk.busy) == ("slow_reach", "")
+    assert desk.slow_reach == detection.smallest_slow_changes(desk.opened.take)
     said = dialogs.render(desk)
-    assert desk.reach
-    assert all(f"<td>{row.marker}</td>" in said for row in desk.reach)
+    assert desk.slow_reach
+    assert all(f"<td>{row.marker}</td>" in said for row in desk.slow_reach)
 
 
 def test_another_detector_cannot_say_how_small(fresh: tuple[Desk, Ticks]):
     desk, ticks = fresh
     settle(desk, ticks)
     desk.workspace.detector = "published"
-    perform(desk, "reach")
+    perform(desk, "slow_reach")
     settle(desk, ticks)
     assert "known of the detector likelihood, not of published" in desk.message
     assert desk.busy == ""
+
+
+def test_what_is_measured_late_opens_nothing_over_what_is_being_written(
+    fresh: tuple[Desk, Ticks], take_path: Path
+):
+    desk, ticks = fresh
+    settle(desk, ticks)
+    perform(desk, "slow_reach")
+    perform(desk, "note")
+    settle(desk, ticks)
+    assert (desk.dialog, desk.busy) == ("note", "")
+    assert desk.slow_reach
+    assert "is measured" in desk.message
+    desk.close_dialog()
+    desk.slow_reach = None
+    perform(desk, "slow_reach")
+    desk.open(take_path)  # another take: what was measured is not of it
+    settle(desk, ticks)
+    assert (desk.slow_reach, desk.dialog) == (None, "")

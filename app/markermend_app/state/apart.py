@@ -39,12 +39,9 @@ class Streams:
 
     def next(self, number: int) -> tuple[bool, Any]:
         """Give whether there was one more, and it."""
-        try:
-            for value in self._open[number]:
-                return True, value
-            return False, None
-        finally:
-            give_back()
+        for value in self._open[number]:
+            return True, value
+        return False, None
 
     def drop(self, number: int) -> None:
         """Forget a generator, and give back the memory that it took."""

@@ -78,7 +78,7 @@ def expected(path: Path, wish: Wish, masked: Masked, method: str) -> float:
     return found[method].expected_mm if method in found else float(np.nan)
 
 
-def reach(path: Path) -> tuple[detection.Reach, ...]:
+def slow_reach(path: Path) -> tuple[detection.Reach, ...]:
     """Tabulate how small a slow change may be and still be found."""
     return detection.smallest_slow_changes(taken(path))
 

@@ -51,6 +51,9 @@ def marks(desk: Desk, marker: str | None = None) -> list[Mark]:
         if finding.id == desk.selected:
             mark = (mark[0], replace(mark[1], selected=True))
         found.append(mark)
+    if marker is None:  # all were asked for: what is not among them is of an earlier take
+        for gone in made.keys() - {mark.id for _, mark in found}:
+            del made[gone]
     return found
 
 

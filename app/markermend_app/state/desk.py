@@ -47,7 +47,7 @@ class Desk(Deciding):
     plan: exporting.Plan | None = param.Parameter(doc="What an export would change.")
     asked: Asked | None = param.Parameter(doc="What has to be said before the file opens.")
     takes: Takes | None = param.Parameter(doc="What can be opened, for the dialog.")
-    reach: tuple[Reach, ...] | None = param.Parameter(
+    slow_reach: tuple[Reach, ...] | None = param.Parameter(
         doc="How small a slow change may be and still be found, once it was asked for."
     )
 
@@ -79,7 +79,7 @@ class Desk(Deciding):
 
     def cancel(self) -> None:
         """Give up what is being done; the desk stays as it was."""
-        for topic in ("open", "export", "report", "search", "reach"):
+        for topic in ("open", "export", "report", "search", "slow_reach"):
             self.jobs.cancel(topic)
         if self.searching:
             self.message = "Only gaps are listed; open the take again to look for the rest."
@@ -93,7 +93,8 @@ class Desk(Deciding):
             self.param.update(busy="", asked=result, dialog="ask")
             return
         opened, triage = result
-        self.jobs.cancel("search")
+        for topic in ("search", "slow_reach"):
+            self.jobs.cancel(topic)
         self._forget()
         self.session, told = self._begin(opened)
         with param.parameterized.batch_call_watchers(self):
@@ -112,7 +113,7 @@ class Desk(Deciding):
                 begun=None,
                 adding=False,
                 thresholds=AS_DESIGNED,
-                reach=None,
+                slow_reach=None,
                 message=" ".join((*told, *opened.take.warnings)),
             )
             self._show()
@@ -130,21 +131,27 @@ class Desk(Deciding):
             "search", lambda ticket: self.workspace.search(opened, ticket.valid), self._searched
         )
 
-    def show_reach(self) -> None:
+    def show_slow_reach(self) -> None:
         """Show how small a slow change may be and still be found here, marker by marker."""
         opened = self.opened
         if opened is None:
             return
-        if self.reach is not None:
-            self.show("reach")
+        if self.slow_reach is not None:
+            self.show("slow_reach")
             return
         self.param.update(busy="Measuring how small a slow change would be found", message="")
 
         def measured(found: tuple[Reach, ...] | None) -> None:
-            self.param.update(busy="", reach=found, dialog="" if found is None else "reach")
+            self.param.update(busy="", slow_reach=found)
+            if self.dialog:  # what is being written there stays
+                self.message = "How small a slow change would be found is measured; ask again."
+            else:
+                self.show("slow_reach")
 
         self.jobs.run(
-            "reach", lambda ticket: self.workspace.slow_reach(opened.take, ticket.valid), measured
+            "slow_reach",
+            lambda ticket: self.workspace.slow_reach(opened.take, ticket.valid),
+            measured,
         )
 
     def _searched(self, opened: Opened) -> None:

@@ -191,7 +191,7 @@ INTENTIONS: Mapping[str, Intention] = {
     "refused": _toggle("refused_shown"),
     "thresholds": lambda desk, arg, fields: desk.show("thresholds") if desk.opened else None,
     **{f"threshold_{kind}": _threshold(kind) for kind in KINDS},
-    "reach": lambda desk, arg, fields: desk.show_reach(),
+    "slow_reach": lambda desk, arg, fields: desk.show_slow_reach(),
     "signal": _signal,
     "signal_next": lambda desk, arg, fields: desk.signal_next(),
     "relative": _relative,

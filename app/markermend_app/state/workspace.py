@@ -224,7 +224,7 @@ class Workspace:
             )
         with self._searching:
             path = self.worker.lend(take)
-            return _apart(wanted, lambda apart: apart.call(computing.reach, path))
+            return _apart(wanted, lambda apart: apart.call(computing.slow_reach, path))
 
     def _latest(self, opened: Opened) -> Opened:
         """Give what is known of a take by now, if another page has looked meanwhile."""

@@ -10,9 +10,9 @@ from markermend_app.views.markup import button, closing, footer, kbd
 
 SHOWS = (
     "dialog", "plan", "asked", "busy", "takes", "similar", "expected", "thresholds", "findings",
-    "review", "learning", "chosen", "message", "reach",
+    "review", "learning", "chosen", "message", "slow_reach",
 )  # fmt: skip
-NARROW = ("note", "ask", "commands", "history", "reach", *exercise.DIALOGS)
+NARROW = ("note", "ask", "commands", "history", "slow_reach", *exercise.DIALOGS)
 
 
 def render(desk: Desk) -> str:
@@ -28,7 +28,7 @@ def render(desk: Desk) -> str:
         "note": dialogs_findings.note,
         "similar": dialogs_findings.similar,
         "thresholds": dialogs_findings.thresholds,
-        "reach": dialogs_findings.reach,
+        "slow_reach": dialogs_findings.slow_reach,
         "history": dialogs_findings.history,
         **exercise.DIALOGS,
     }.get(desk.dialog)

@@ -123,16 +123,20 @@ def thresholds(desk: Desk) -> str:
         f'<div class="body"><div class="thresholds">{cells}</div><br>{learning}</div>'
         + footer(
             button(
-                "run", "Slow changes that would be found", classes="deed", arg="reach", key=False
+                "run",
+                "Slow changes that would be found",
+                classes="deed",
+                arg="slow_reach",
+                key=False,
             ),
             closing("Close"),
         )
     )
 
 
-def reach(desk: Desk) -> str:
+def slow_reach(desk: Desk) -> str:
     """Give how small a slow change may be and still be found, the hardest markers first."""
-    table = sorted(desk.reach or (), key=lambda row: -row.fast_mm)
+    table = sorted(desk.slow_reach or (), key=lambda row: -row.fast_mm)
     rows = "".join(
         f"<tr><td>{escape(short(row.marker))}</td><td>{number(row.usual_mm)}</td>"
         f"<td>{number(row.fast_mm)}</td></tr>"
